@@ -6,6 +6,7 @@ from functools import cached_property
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 
 from course_lib.mdp import MDP
 from course_lib.validate import fraction, number, whole_number
@@ -80,6 +81,9 @@ class Maze(gymnasium.Env):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None, 'ansi' or 'rgb_array', got {render_mode!r}")
         self.render_mode = render_mode
+        rules = {"slip": slip, "step_reward": step_reward, "wall_reward": wall_reward, "goal_reward": goal_reward}
+        rules |= {"wall_ends_episode": wall_ends_episode, "cell_rewards": cell_rewards, "grid": grid}
+        self.spec = EnvSpec("course_lib/Maze-v0", entry_point="course_lib.maze:Maze", kwargs=rules)
         self.observation_space = gymnasium.spaces.Discrete(self.grid.size)
         self.action_space = gymnasium.spaces.Discrete(len(Action))
         self._state = None

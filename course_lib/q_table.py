@@ -1,0 +1,252 @@
+"""Learn in an unknown world, with a table: Q-learning (Watkins, 1989; Sutton & Barto, 2nd ed., section 6.5)."""
+
+from dataclasses import dataclass
+
+import gymnasium
+import numpy as np
+
+from course_lib.choice import epsilon_greedy, random_argmax
+from course_lib.files import load_arrays, save_arrays
+from course_lib.history import History, Rollout
+from course_lib.mdp import MDP
+from course_lib.validate import fraction, number, whole_number
+
+_STEPS_BETWEEN_LOOKS = 1_000_000  # compiled steps before Python gets a look in, to move a bar or to be interrupted
+_NO_MORE_THAN_TIMING = (
+    gymnasium.wrappers.TimeLimit,
+    gymnasium.wrappers.OrderEnforcing,
+    gymnasium.wrappers.PassiveEnvChecker,
+)
+
+
+class QAgent:
+    """A table of action values and the agent that fills it by acting epsilon-greedily.
+
+    q_table[s, a] += step * (r + gamma * max(q_table[s']) - q_table[s, a]), without the max after a terminated step.
+
+    env            any Gymnasium environment with Discrete observations and actions
+    gamma          discount, in [0, 1]
+    alpha          learning rate, in (0, 1]
+    epsilon        how often an action is random, in [0, 1]; multiplied by epsilon_decay after every episode
+    alpha_power    0: the step is alpha; p > 0: it is alpha / n^p at the n-th update of a (state, action). The table
+                   converges to Q* with probability 1 for 0.5 < p <= 1 (Robbins & Monro, 1951)
+    seed           of everything random: the agent's generator, which also draws the seed of `env`
+
+    q_table float64[S, A] starts at zero, visits int64[S, A] counts updates. `history` is the latest `train`'s.
+    Equal values are chosen among at random. Where the world is known to be a table (Maze, FrozenLake, CliffWalking,
+    Taxi) the same loop runs compiled, with the same result to the last bit.
+    """
+
+    def __init__(self, env, *, gamma=0.9, alpha=0.1, epsilon=0.1, epsilon_decay=1.0, alpha_power=0.0, seed=0):
+        for name in ("observation_space", "action_space"):
+            space = getattr(env, name, None)
+            if not isinstance(space, gymnasium.spaces.Discrete):
+                raise ValueError(f"QAgent needs an environment with a Discrete {name}, got {space}")
+        self.gamma = fraction("gamma", gamma)
+        self.alpha = fraction("alpha", alpha, above_zero=True)
+        self.epsilon = fraction("epsilon", epsilon)
+        self.epsilon_decay = fraction("epsilon_decay", epsilon_decay)
+        self.alpha_power = number("alpha_power", alpha_power)
+        if self.alpha_power < 0:
+            raise ValueError(f"alpha_power must not be negative, got {alpha_power!r}")
+        self.seed = whole_number("seed", seed)
+        self.env = env
+        self.rng = np.random.default_rng(self.seed)
+        self.q_table = np.zeros((int(env.observation_space.n), int(env.action_space.n)))
+        self.visits = np.zeros(self.q_table.shape, np.int64)
+        self.history = _Records(0).history()
+        env.reset(seed=int(self.rng.integers(2**31)))
+
+    def act(self, state):
+        """An action for `state`: random with probability epsilon, else one of the best. `ValueError` if out of range."""
+        row = whole_number("state", state, at_least=self._first_state, below=self._first_state + len(self.q_table))
+        return epsilon_greedy(self.q_table[row - self._first_state], self.epsilon, self.rng) + self._first_action
+
+    def train(self, num_episodes=1000, *, max_steps=1000, progress=False):
+        """Play `num_episodes` more episodes of at most `max_steps` steps, learning from every step; returns their `History`.
+
+        Interrupted, the agent keeps what it has learned, and `history` the episodes it has finished.
+        `progress=True` shows a bar.
+        """
+        records = _Records(whole_number("num_episodes", num_episodes))
+        max_steps = whole_number("max_steps", max_steps, at_least=1)
+        world = _TableWorld.of(self.env)
+        bar = _bar(num_episodes) if progress else None
+        try:
+            while records.done < num_episodes:
+                self.epsilon = self._play_in_python(records, max_steps) if world is None else world.play(self, records, max_steps)
+                if bar is not None:
+                    bar.update(records.done - bar.n)
+        finally:
+            self.history = records.history()
+            if bar is not None:
+                bar.close()
+        return self.history
+
+    def test(self, max_steps=1000):
+        """One greedy walk of at most `max_steps` steps, learning nothing; returns the `Rollout`."""
+        max_steps = whole_number("max_steps", max_steps, at_least=1)
+        state, _ = self.env.reset()
+        states, actions, rewards = [int(state)], [], []
+        terminated = truncated = False
+        while not (terminated or truncated) and len(actions) < max_steps:
+            row = self.q_table[states[-1] - self._first_state]
+            actions.append(random_argmax(row, self.rng) + self._first_action)
+            state, reward, terminated, truncated, _ = self.env.step(actions[-1])
+            states.append(int(state))
+            rewards.append(float(reward))
+        return Rollout(
+            np.array(states), np.array(actions), np.array(rewards), bool(terminated), not terminated
+        )
+
+    def save(self, path):
+        """Write the agent to `path`: table, settings and the state of its generators (safetensors, no pickle)."""
+        settings = {name: getattr(self, name) for name in _SETTINGS}
+        generators = {
+            "rng": self.rng.bit_generator.state,
+            "env_rng": self.env.unwrapped.np_random.bit_generator.state,
+        }
+        arrays = {"q_table": self.q_table, "visits": self.visits}
+        save_arrays(path, arrays, {"agent": settings, **generators}, kind="QAgent")
+
+    @classmethod
+    def load(cls, path, env):
+        """The agent saved in `path`, at work in `env`: training goes on as if it had never stopped.
+
+        `ValueError` for a damaged or foreign file, and for an `env` with other numbers of states or actions.
+        """
+        arrays, settings = load_arrays(path, kind="QAgent")
+        try:
+            agent = cls(env, **settings["agent"])
+            q_table, visits = arrays["q_table"], arrays["visits"]
+            rng, env_rng = settings["rng"], settings["env_rng"]
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"{path} is not a saved QAgent: {error} is missing or of another form") from None
+        if q_table.shape != agent.q_table.shape or visits.shape != agent.q_table.shape:
+            raise ValueError(f"{path} holds a table of shape {q_table.shape}, this environment needs {agent.q_table.shape}")
+        agent.q_table[:], agent.visits[:] = q_table, visits
+        agent.rng.bit_generator.state = rng
+        env.unwrapped.np_random.bit_generator.state = env_rng
+        return agent
+
+    @property
+    def _first_state(self):
+        return int(self.env.observation_space.start)
+
+    @property
+    def _first_action(self):
+        return int(self.env.action_space.start)
+
+    def _play_in_python(self, records, max_steps):
+        """One episode, step by step through the environment: the loop of lesson 3, for any Discrete environment."""
+        observation, _ = self.env.reset()
+        state, episode_return, terminated, truncated = int(observation) - self._first_state, 0.0, False, False
+        for step in range(1, max_steps + 1):
+            action = epsilon_greedy(self.q_table[state], self.epsilon, self.rng)
+            observation, reward, terminated, truncated, _ = self.env.step(action + self._first_action)
+            next_state = int(observation) - self._first_state
+            self._learn(state, action, float(reward), next_state, terminated)
+            episode_return += float(reward)
+            state = next_state
+            if terminated or truncated:
+                break
+        records.add(episode_return, step, terminated)
+        return self.epsilon * self.epsilon_decay
+
+    def _learn(self, state, action, reward, next_state, terminated):
+        """One update of the table (Sutton & Barto, 2nd ed., eq. 6.8)."""
+        self.visits[state, action] += 1
+        alpha = self.alpha
+        if self.alpha_power:
+            alpha = self.alpha / float(self.visits[state, action]) ** self.alpha_power
+        target = reward if terminated else reward + self.gamma * self.q_table[next_state].max()
+        self.q_table[state, action] += alpha * (target - self.q_table[state, action])
+
+
+_SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "seed")
+
+
+class _Records:
+    """Room for the episodes of one `train`, filled as they end."""
+
+    def __init__(self, num_episodes):
+        self.returns = np.zeros(num_episodes)
+        self.lengths = np.zeros(num_episodes, np.int64)
+        self.terminated = np.zeros(num_episodes, np.bool_)
+        self.carry = np.zeros(4)  # what the compiled loop goes on from: episode, step in it, state, return so far
+
+    @property
+    def done(self):
+        return int(self.carry[0])
+
+    def add(self, episode_return, length, terminated):
+        i = self.done
+        self.returns[i], self.lengths[i], self.terminated[i] = episode_return, length, terminated
+        self.carry[0] += 1
+
+    def history(self):
+        finished = slice(self.done)
+        terminated = self.terminated[finished].copy()
+        return History(self.returns[finished].copy(), self.lengths[finished].copy(), terminated, ~terminated)
+
+
+@dataclass(frozen=True)
+class _TableWorld:
+    """An environment whose every step is a draw from a table that we have, so that it can be played compiled."""
+
+    env: gymnasium.Env
+    mdp: MDP
+    start: np.ndarray  # float64[1, 1, S] probabilities, or one entry: the state every episode begins in
+    draw_always: bool  # toy-text worlds draw a number even where only one thing can happen
+    time_limit: int | None
+
+    @classmethod
+    def of(cls, env):
+        """The table world that `env` is, or None: a subclass, a patched step or a wrapper may play by other rules."""
+        time_limit, layer = None, env
+        while isinstance(layer, gymnasium.Wrapper):
+            if type(layer) not in _NO_MORE_THAN_TIMING:
+                return None
+            if isinstance(layer, gymnasium.wrappers.TimeLimit):
+                limit = layer._max_episode_steps
+                time_limit = limit if time_limit is None else min(limit, time_limit)
+            layer = layer.env
+        if {"step", "reset"} & vars(layer).keys():
+            return None
+        if _is_maze(layer):
+            return cls(env, layer.mdp, np.full((1, 1, 1), float(layer.start)), False, time_limit)
+        if _is_toy_text(layer):
+            return cls(env, MDP.from_gymnasium(layer), np.array(layer.initial_state_distrib, float)[None, None], True, time_limit)
+        return None
+
+    def play(self, agent, records, max_steps):
+        """About a million steps; a mid-episode stop is carried in `records`. Returns epsilon as it then is."""
+        from course_lib import kernels
+
+        if self.time_limit is not None:
+            max_steps = min(max_steps, self.time_limit)
+        mdp = self.mdp
+        return kernels.q_learning(
+            agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
+            self.start, self.draw_always, agent.rng, self.env.unwrapped.np_random,
+            agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
+            max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
+        )  # fmt: skip
+
+
+def _is_maze(env):
+    from course_lib.maze import Maze
+
+    return type(env) is Maze
+
+
+def _is_toy_text(env):
+    from gymnasium.envs.toy_text import CliffWalkingEnv, FrozenLakeEnv, TaxiEnv
+
+    return type(env) in (FrozenLakeEnv, CliffWalkingEnv, TaxiEnv) and not getattr(env, "fickle_passenger", False)
+
+
+def _bar(num_episodes):
+    from tqdm.auto import tqdm
+
+    return tqdm(total=num_episodes, unit="episode", leave=False)

@@ -1,0 +1,66 @@
+"""Numbers over time, with the spread behind them."""
+
+import numpy as np
+
+from course_lib.plots.picture import FAINT, INK, LINE_STYLES, PALETTE, Picture, dress, new_figure
+
+
+def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None):
+    """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
+
+    truth: a number to compare with, or None. The picture says which band it shows.
+    """
+    figure, axes = new_figure(7.2, 3.8)
+    words = []
+    for i, (label, runs) in enumerate(curves.items()):
+        low, middle, high = np.percentile(np.atleast_2d(runs), [band[0], 50, band[1]], axis=0)
+        episodes = np.arange(1, len(middle) + 1)
+        axes.fill_between(episodes, low, high, color=PALETTE[i], alpha=0.18, linewidth=0)
+        axes.plot(episodes, middle, color=PALETTE[i], linestyle=LINE_STYLES[i], linewidth=2, label=label)
+        words.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
+    if truth is not None:
+        axes.axhline(truth, color=INK, linewidth=1, linestyle=":")
+        axes.annotate(f"{truth:.3g}", (1, truth), xycoords=("axes fraction", "data"), va="bottom", ha="right", color=INK)
+    agents = {np.atleast_2d(runs).shape[0] for runs in curves.values()}
+    count = f"{agents.pop():,} agents" if len(agents) == 1 else "the agents"
+    dress(axes, title=title, xlabel=xlabel, ylabel=ylabel, legend=True)
+    note = f"line: median of {count}; band: {band[0]} % to {band[1]} % of them"
+    axes.text(0, -0.26, note, transform=axes.transAxes, fontsize=9, color=INK)
+    alt = f"{title or 'Learning curves'}, {ylabel} by {xlabel}, median of {count} and {band[0]} to {band[1]} % band. At the end: "
+    return Picture(figure, alt + "; ".join(words) + ".")
+
+
+def contraction(errors, gamma, *, title=""):
+    """Largest error after each sweep on a log scale, against the bound gamma^k times the first; errors: {label: float[K]}."""
+    figure, axes = new_figure(7.2, 3.8)
+    first = max(float(series[0]) for series in errors.values())
+    longest = max(len(series) for series in errors.values())
+    axes.semilogy(first * gamma ** np.arange(longest), color=INK, linewidth=1.5, linestyle=":", label=f"bound: {gamma}^k")
+    words = []
+    for i, (label, series) in enumerate(errors.items()):
+        series = np.asarray(series, dtype=float)
+        shown = np.where(series > 0, series, np.nan)  # a log scale has no place for an error of exactly zero
+        axes.semilogy(shown, color=PALETTE[i], linestyle=LINE_STYLES[i], marker="o", markersize=3, linewidth=2, label=label)
+        words.append(f"{label}: from {series[0]:.2g} to {series[-1]:.2g} in {len(series) - 1} sweeps")
+    dress(axes, title=title, xlabel="sweep k", ylabel="largest error of any state", legend=True)
+    return Picture(figure, f"{title or 'Errors'}, log scale, against the bound {gamma}^k. {'; '.join(words)}.")
+
+
+def bars(groups, labels, *, xlabel="", ylabel="", title=""):
+    """Bars side by side, one group a label; groups: {name: float[len(labels)]}."""
+    figure, axes = new_figure(7.2, 3.4)
+    places, width = np.arange(len(labels)), 0.8 / len(groups)
+    words = []
+    for i, (name, heights) in enumerate(groups.items()):
+        offset = (i - (len(groups) - 1) / 2) * width
+        drawn = axes.bar(
+            places + offset, heights, width * 0.94, color=PALETTE[i], label=name, hatch=(None, "///", "...")[i % 3],
+            edgecolor=(FAINT, "white", "white")[i % 3], linewidth=0,
+        )  # fmt: skip
+        axes.bar_label(drawn, fmt="%.3g", fontsize=9, color=INK, padding=2)
+        words.append(f"{name}: " + ", ".join(f"{label} {height:.3g}" for label, height in zip(labels, heights, strict=True)))
+    axes.set_xticks(places, labels)
+    dress(axes, title=title, xlabel=xlabel, ylabel=ylabel, legend=len(groups) > 1)
+    axes.grid(visible=False, axis="x")
+    axes.margins(y=0.15)
+    return Picture(figure, f"{title or 'Bars'}. {'. '.join(words)}.")

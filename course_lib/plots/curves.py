@@ -5,10 +5,10 @@ import numpy as np
 from course_lib.plots.picture import FAINT, INK, LINE_STYLES, PALETTE, Picture, dress, new_figure
 
 
-def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None):
+def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None, log=False):
     """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
 
-    truth: a number to compare with, or None. The picture says which band it shows.
+    truth: a number to compare with, or None; log: a logarithmic scale upwards. The picture says which band it shows.
     """
     figure, axes = new_figure(7.2, 3.8)
     words = []
@@ -21,6 +21,9 @@ def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of
     if truth is not None:
         axes.axhline(truth, color=INK, linewidth=1, linestyle=":")
         axes.annotate(f"{truth:.3g}", (1, truth), xycoords=("axes fraction", "data"), va="bottom", ha="right", color=INK)
+    if log:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
     agents = {np.atleast_2d(runs).shape[0] for runs in curves.values()}
     count = f"{agents.pop():,} agents" if len(agents) == 1 else "the agents"
     dress(axes, title=title, xlabel=xlabel, ylabel=ylabel, legend=True)

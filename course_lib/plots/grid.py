@@ -32,10 +32,11 @@ def values(world, state_values, *, q=None, title="", label="value of the cell"):
     state_values = np.asarray(state_values, dtype=float)
     over = np.isin(world.grid, (Tile.WALL, Tile.GOAL))  # nothing happens there any more, so there is nothing to value
     grid = state_values.reshape(world.grid.shape)
+    numbers = np.vectorize(_short)(grid)
     few = world.columns <= _MOST_NUMBERS
     figure, axes = _board(world, title, legend_room=1.1)
     seaborn.heatmap(
-        grid, ax=axes, mask=over, cmap="cividis", annot=few and q is None, fmt=".3g", square=True, linewidths=few * 1.5,
+        grid, ax=axes, mask=over, cmap="cividis", annot=numbers if few and q is None else False, fmt="", square=True, linewidths=few * 1.5,
         linecolor=PAPER, annot_kws={"fontsize": 11}, cbar_kws={"label": label}, xticklabels=False, yticklabels=False,
     )  # fmt: skip
     _label_rows_and_columns(axes, world)
@@ -46,13 +47,16 @@ def values(world, state_values, *, q=None, title="", label="value of the cell"):
     return Picture(figure, f"{title or 'Values'}: {_words_for_values(world, state_values, q)}")
 
 
-def action_values(world, q, *, title=""):
-    """Four wedges a cell, one for each action, with its value; the best of a cell stand in a frame."""
+def action_values(world, q, *, title="", span=None):
+    """Four wedges a cell, one for each action, with its value; the best of a cell stand in a frame.
+
+    span: (lowest, highest) of the colours, so that two pictures can be compared; by default those of `q`.
+    """
     from matplotlib import colormaps, colors
 
     q = np.asarray(q, dtype=float)
     acting = _acting_states(world)
-    low, high = float(q[acting].min()), float(q[acting].max())
+    low, high = span or (float(q[acting].min()), float(q[acting].max()))
     norm = colors.Normalize(low, high if high > low else low + 1)
     figure, axes = _board(world, title, legend_room=1.1, cell=1.25)
     for s in acting:
@@ -173,6 +177,11 @@ def _draw_cheese(axes, world, beside=None):
             axes.add_patch(Circle((column + x, row + y), size, facecolor=ORANGE, zorder=5))
 
 
+def _short(number):
+    """Three digits, whole numbers from a thousand up whole."""
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
+
+
 def _acting_states(world):
     return np.flatnonzero(~np.isin(world.grid.ravel(), (Tile.WALL, Tile.GOAL)))
 
@@ -196,7 +205,7 @@ def _draw_arrows(axes, world, q, numbers):
         for s in _acting_states(world):
             row, column = divmod(int(s), world.columns)
             axes.text(
-                column + 0.5, row + 0.17, f"{numbers[s]:.3g}", ha="center", va="center", fontsize=10, color="white",
+                column + 0.5, row + 0.17, _short(numbers[s]), ha="center", va="center", fontsize=10, color="white",
                 bbox={"facecolor": INK, "alpha": 0.55, "linewidth": 0, "boxstyle": "round,pad=0.15"}, zorder=7,
             )  # fmt: skip
 
@@ -255,7 +264,7 @@ def _words_for(world):
 def _words_for_values(world, state_values, q):
     acting = _acting_states(world)
     low, high = float(state_values[acting].min()), float(state_values[acting].max())
-    words = f"from {low:.3g} to {high:.3g}, the start {state_values[world.start]:.3g}, highest in state {acting[state_values[acting].argmax()]}."
+    words = f"from {_short(low)} to {_short(high)}, the start {_short(state_values[world.start])}, highest in state {acting[state_values[acting].argmax()]}."
     if q is None:
         return words
     names = " or ".join(Action(a).name.lower() for a in best_actions(q[world.start]))

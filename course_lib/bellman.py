@@ -63,6 +63,8 @@ def evaluate_policy(mdp, policy, gamma):
     """
     gamma, weights = fraction("gamma", gamma), _as_probabilities(mdp, policy)
     if mdp.num_states <= _DENSE_STATES:
+        if gamma == 1:
+            _refuse_never_ending(mdp, weights)
         return _solve_densely(mdp, weights, gamma)
     values = np.zeros(mdp.num_states)
     _settle(_follow_mixed_policy(mdp, weights, gamma), values, gamma)
@@ -167,6 +169,18 @@ def _solve_densely(mdp, weights, gamma):
     if gamma == 1 and not np.abs(values).max() < 1e12:  # singular up to rounding
         raise ValueError("at gamma = 1 this policy's values are not defined: an episode under it may never end")
     return values
+
+
+def _refuse_never_ending(mdp, weights):
+    """At gamma = 1 the equations have one solution exactly where an end can be reached from every state."""
+    may_happen = (weights[:, :, None] > 0) & (mdp.probability > 0)
+    ending, before = (may_happen & mdp.terminal).any(axis=(1, 2)), None
+    while not np.array_equal(ending, before):
+        before = ending
+        ending = before | (may_happen & before[mdp.next_state]).any(axis=(1, 2))
+    if not ending.all():
+        state = np.flatnonzero(~ending)[0]
+        raise ValueError(f"at gamma = 1 this policy's values are not defined: from state {state} an episode under it never ends")
 
 
 def _follow_mixed_policy(mdp, weights, gamma):

@@ -2,26 +2,29 @@
 
 import json
 import os
-import tempfile
+import secrets
 from pathlib import Path
 
 
 def save_arrays(path, arrays, settings, *, kind):
-    """Write `arrays` {name: array} and `settings` (plain JSON) to `path`, beside it first and then renamed into place."""
+    """Write `arrays` {name: array} and `settings` (plain JSON) to `path`, beside it first and then renamed into place.
+
+    `ValueError` where `path` is a folder or in none.
+    """
     from safetensors.numpy import save
 
     path = Path(path)
     content = save(arrays, metadata={"course_lib": kind, "settings": json.dumps(settings)})
+    if path.is_dir():
+        raise ValueError(f"cannot save to {path}: it is a folder")
+    if not path.parent.is_dir():
+        raise ValueError(f"cannot save to {path}: there is no folder {path.parent}")
+    beside = path.with_name(f"{path.name}.{secrets.token_hex(4)}.part")
     try:
-        handle, beside = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    except FileNotFoundError:
-        raise ValueError(f"cannot save to {path}: there is no folder {path.parent}") from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
+        beside.write_bytes(content)
         os.replace(beside, path)
     except BaseException:
-        os.unlink(beside)
+        beside.unlink(missing_ok=True)
         raise
 
 
@@ -37,10 +40,11 @@ def load_arrays(path, *, kind):
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = file.metadata() or {}
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (not a dict)
+            ours = metadata.get("course_lib") == kind
+            arrays = {name: file.get_tensor(name) for name in file.keys()} if ours else {}  # noqa: SIM118 (not a dict)
         settings = json.loads(metadata.get("settings", "null"))
-    except (SafetensorError, OSError, ValueError) as error:
+    except (SafetensorError, OSError, ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a saved {kind}: the file is damaged, cut short or of another format ({error})") from None
-    if metadata.get("course_lib") != kind:
+    if not ours:
         raise ValueError(f"{path} is not a saved {kind}: it holds {metadata.get('course_lib', 'something else')!r}")
     return arrays, settings

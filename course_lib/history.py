@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from course_lib.validate import whole_number
+from course_lib.validate import fraction, whole_number
 
 
 @dataclass(eq=False)
@@ -55,5 +55,5 @@ class Rollout:
         return len(self.actions)
 
     def discounted_return(self, gamma):
-        """r_0 + gamma r_1 + gamma^2 r_2 + … of the walk (Sutton & Barto, 2nd ed., eq. 3.8)."""
-        return float(self.rewards @ gamma ** np.arange(len(self.rewards)))
+        """r_0 + gamma r_1 + gamma^2 r_2 + … of the walk (Sutton & Barto, 2nd ed., eq. 3.8). `ValueError` for gamma outside [0, 1]."""
+        return float(self.rewards @ fraction("gamma", gamma) ** np.arange(len(self.rewards)))

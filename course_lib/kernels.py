@@ -21,54 +21,55 @@ def inlined(function):
     return njit(inline="always", error_model="numpy")(function)
 
 
+ZERO, ONE, NONE = np.uint32(0), np.uint32(1), np.uint32(2**32 - 1)
+
+
+@inlined
+def flat(world):
+    """The world's tables without their shape, so that one index serves them all.
+
+    Indexes are unsigned, here and wherever it counts: numba tests any other for counting from the end.
+    """
+    next_state, probability, reward, terminal = world
+    return next_state.reshape(-1).view(np.uint32), probability.reshape(-1), reward.reshape(-1), terminal.reshape(-1)
+
+
 # --- learning ---------------------------------------------------------------------------------------------------------
 
 
 @inlined
-def best_value(q_table, state):
-    """The largest value in the state's row, and how many actions share it."""
-    best, ties = q_table[state, 0], 1
-    for a in range(1, q_table.shape[1]):
-        if q_table[state, a] > best:
-            best, ties = q_table[state, a], 1
-        elif q_table[state, a] == best:
-            ties += 1
-    return best, ties
-
-
-@inlined
-def nth_action_worth(q_table, state, value, n):
-    """The n-th action, from 0, with this value."""
-    a = 0
-    while n > 0 or q_table[state, a] != value:
-        if q_table[state, a] == value:
+def nth_best(q_table, first, n):
+    """The n-th entry, from 0, of those in a row that are worth as much as `first`, the first of them."""
+    entry = first
+    while n > 0:
+        entry += ONE
+        if q_table[entry] == q_table[first]:
             n -= 1
-        a += 1
-    return a
+    return entry
 
 
 @inlined
-def outcome_drawn(probability, state, action, drawn):
-    """The first outcome whose running sum of probabilities exceeds `drawn`, as Gymnasium samples."""
+def outcome_drawn(probability, first, num_outcomes, drawn):
+    """The first outcome, from `first` on, whose running sum of probabilities exceeds `drawn`, as Gymnasium samples."""
     total = 0.0
-    for k in range(probability.shape[2]):
-        total += probability[state, action, k]
+    for outcome in range(first, first + num_outcomes):
+        total += probability[outcome]
         if total > drawn:
-            return k
-    return 0
+            return outcome
+    return first
 
 
 @inlined
-def q_update(q_table, state, action, reward, next_state, terminated, gamma, alpha):
+def q_update(q_table, entry, reward, next_row, num_actions, terminated, gamma, alpha):
     """Q(s, a) += alpha (r + gamma max Q(s', .) - Q(s, a)), where nothing follows an end (Sutton & Barto, eq. 6.8)."""
     target = reward
     if not terminated:
-        best = q_table[next_state, 0]
-        for a in range(1, q_table.shape[1]):
-            if q_table[next_state, a] > best:
-                best = q_table[next_state, a]
+        best = q_table[next_row]
+        for e in range(next_row + ONE, next_row + num_actions):
+            if q_table[e] > best:
+                best = q_table[e]
         target += gamma * best
-    q_table[state, action] += alpha * (target - q_table[state, action])
+    q_table[entry] += alpha * (target - q_table[entry])
 
 
 @compiled
@@ -80,60 +81,69 @@ def q_learning(
 
     world = (next_state, probability, reward, terminal); start[1, 1, S]: where an episode begins (S = 1: always there).
     carry[4] holds what a later call goes on from: episode, step in it (0: none under way), state, return so far.
-    alpha_power is None where the rate is constant, so that the power is compiled away. Draws are made here, and not in
-    functions of their own, since handing a generator on takes longer than drawing from it.
+    alpha_power is None where the rate is constant, so that the power is compiled away.
+
+    All tables are flat here: row is the entry of a state's first action; entry, of a
+    (state, action); outcome. Draws and the search for the best action stand in the loop and not in functions of their
+    own, since handing a generator on takes longer than drawing from it, and the search in a function loses its branches.
     """
-    next_states, probability, rewards, terminal = world
-    certain = probability.shape[2] == 1 and not draw_always
-    episode, step, state, episode_return = int(carry[0]), int(carry[1]), int(carry[2]), carry[3]
+    num_actions, num_outcomes = np.uint64(q_table.shape[1]), np.uint64(world[1].shape[2])
+    next_states, probability, rewards, terminal = flat(world)
+    q_table, visits, start = q_table.reshape(-1), visits.reshape(-1), start.reshape(-1)
+    certain = num_outcomes == 1 and not draw_always
+    episode, step, row, episode_return = int(carry[0]), int(carry[1]), np.uint64(carry[2]) * num_actions, carry[3]
     while budget > 0 and episode < len(returns):
         if step == 0:
-            state, episode_return = int(start[0, 0, 0]), 0.0
-            if start.shape[2] > 1:
-                state = outcome_drawn(start, 0, 0, world_rng.random())
-        ended = False
-        while budget > 0 and step < max_steps and not ended:
+            row, episode_return = np.uint64(start[0]) * num_actions, 0.0
+            if len(start) > 1:
+                row = outcome_drawn(start, ZERO, np.uint64(len(start)), world_rng.random()) * num_actions
+        ended, step_before, stop = False, step, min(max_steps, step + budget)
+        while step < stop and not ended:
             if rng.random() < epsilon:
-                action = int(rng.random() * q_table.shape[1])
+                entry = row + np.uint64(rng.random() * num_actions)
             else:
-                best, ties = best_value(q_table, state)
-                action = nth_action_worth(q_table, state, best, int(rng.random() * ties) if ties > 1 else 0)
-            outcome = 0 if certain else outcome_drawn(probability, state, action, world_rng.random())
-            reward = rewards[state, action, outcome]
-            next_state = next_states[state, action, outcome]
-            ended = terminal[state, action, outcome]
-            visits[state, action] += 1
+                entry, ties = row, 1
+                for e in range(row + ONE, row + num_actions):
+                    if q_table[e] > q_table[entry]:
+                        entry, ties = e, 1
+                    elif q_table[e] == q_table[entry]:
+                        ties += 1
+                if ties > 1:
+                    entry = nth_best(q_table, entry, int(rng.random() * ties))
+            outcome = entry * num_outcomes
+            if not certain:
+                outcome = outcome_drawn(probability, outcome, num_outcomes, world_rng.random())
+            reward, next_row, ended = rewards[outcome], next_states[outcome] * num_actions, terminal[outcome]
+            visits[entry] += 1
             if alpha_power is None:
                 rate = alpha
             else:
-                rate = alpha / float(visits[state, action]) ** alpha_power
-            q_update(q_table, state, action, reward, next_state, ended, gamma, rate)
+                rate = alpha / float(visits[entry]) ** alpha_power
+            q_update(q_table, entry, reward, next_row, num_actions, ended, gamma, rate)
             episode_return += reward
-            state = next_state
+            row = next_row
             step += 1
-            budget -= 1
+        budget -= step - step_before
         if ended or step == max_steps:
             returns[episode], lengths[episode], terminated[episode] = episode_return, step, ended
             episode += 1
             step = 0
             epsilon *= epsilon_decay
-    carry[0], carry[1], carry[2], carry[3] = episode, step, state, episode_return
+    carry[0], carry[1], carry[2], carry[3] = episode, step, row // num_actions, episode_return
     return epsilon
 
 
 # --- planning ---------------------------------------------------------------------------------------------------------
 
 
-@compiled
-def backup(world, gamma, values, s, a):
-    """Σ_k probability (reward + gamma V(next_state)), the worth of action a in state s; nothing follows an end."""
-    next_state, probability, reward, terminal = world
+@inlined
+def backup(tables, gamma, values, move, num_outcomes):
+    """Σ_k probability (reward + gamma V(next_state)), what a move is worth; nothing follows an end."""
+    next_state, probability, reward, terminal = tables
     worth = 0.0
-    for k in range(next_state.shape[2]):
-        outcome = reward[s, a, k]
-        if not terminal[s, a, k]:
-            outcome += gamma * values[next_state[s, a, k]]
-        worth += probability[s, a, k] * outcome
+    for outcome in range(move * num_outcomes, move * num_outcomes + num_outcomes):
+        following = gamma * values[next_state[outcome]]
+        worth += probability[outcome] * (reward[outcome] + (0.0 if terminal[outcome] else following))
     return worth
 
 
@@ -142,17 +152,18 @@ def spread_news(world, gamma, values):
     """Raise `values` where every action has one outcome: a state that got better tells the states that lead to it.
 
     It starts from less than any state is worth, the least that a state pays at best, for ever, and goes first come,
-    first served: in a maze the news runs outwards from the goal and each cell is written once.
+    first served: in a maze the news runs outwards from the goal and each cell is written once. A move is numbered
+    state * num_actions + action.
     """
-    num_states, num_actions, _ = world[0].shape
-    last_move_into = np.full(num_states, -1, np.int32)  # chains of the moves that lead into a state
-    move_before = np.empty(num_states * num_actions, np.int32)
-    queue, queued = np.empty(num_states + 1, np.int32), np.zeros(num_states, np.bool_)
+    num_states, num_actions = len(values), np.uint32(world[0].shape[1])
+    last_move_into = np.full(num_states, NONE)  # chains of the moves that lead into a state
+    move_before = np.empty(num_states * num_actions, np.uint32)
+    queue, queued = np.empty(num_states + 1, np.uint32), np.zeros(num_states, np.bool_)
     tail, least = first_news(world, gamma, 0.0, values, last_move_into, move_before, queue, queued)
     if least < 0.0 and gamma < 1.0:
-        last_move_into[:], queued[:] = -1, False
+        last_move_into[:], queued[:] = NONE, False
         tail, _ = first_news(world, gamma, least / (1.0 - gamma), values, last_move_into, move_before, queue, queued)
-    reward, head = world[2], 0
+    reward, head = world[2].reshape(-1), 0
     patience = 8 * num_states  # enough for mazes; a world in which news runs in circles is left to the sweeps
     while head != tail and patience > 0:
         state = queue[head]
@@ -161,9 +172,9 @@ def spread_news(world, gamma, values):
         patience -= 1
         discounted = gamma * values[state]
         move = last_move_into[state]
-        while move >= 0:
+        while move != NONE:
             s = move // num_actions
-            worth = reward[s, move - s * num_actions, 0] + discounted
+            worth = reward[move] + discounted
             if worth > values[s] + 1e-15 * abs(values[s]):
                 values[s] = worth
                 if not queued[s]:
@@ -179,31 +190,29 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
     A state that no move leaves is worth what it is worth, at once. Returns how many states are queued, and the least
     that any other state pays at best.
     """
-    next_state, _, reward, terminal = world
-    num_states, num_actions, _ = next_state.shape
+    num_actions = np.uint32(world[0].shape[1])
+    next_state, _, reward, terminal = flat(world)
     tail, least = 0, np.inf
-    for s in range(num_states):
+    for s in range(np.uint32(len(values))):
         best, alone, pays, stuck = -np.inf, -np.inf, -np.inf, gamma < 1.0
-        for a in range(num_actions):
-            worth = reward[s, a, 0]
+        for move in range(s * num_actions, s * num_actions + num_actions):
+            worth = reward[move]
             pays = max(pays, worth)
-            if terminal[s, a, 0]:
+            if terminal[move]:
                 alone = max(alone, worth)
-            elif next_state[s, a, 0] == s:
+            elif next_state[move] == s:
                 alone = max(alone, worth / (1.0 - gamma))
                 worth += gamma * guess
             else:
-                move = s * num_actions + a
-                move_before[move] = last_move_into[next_state[s, a, 0]]
-                last_move_into[next_state[s, a, 0]] = move
+                move_before[move] = last_move_into[next_state[move]]
+                last_move_into[next_state[move]] = move
                 worth += gamma * guess
                 stuck = False
             best = max(best, worth)
         if not stuck:
             least = min(least, pays)
-        news = stuck or best > guess + 1e-15 * abs(guess)
         values[s] = alone if stuck else max(best, guess)
-        if news:
+        if values[s] > guess + 1e-15 * abs(guess):
             queue[tail], queued[s] = s, True
             tail += 1
     return tail, least
@@ -212,17 +221,18 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
 @compiled
 def sweep_best(world, gamma, values, policy, backwards):
     """Back up every state in place, first to last or last to first; store the best actions; the largest change."""
-    num_states, num_actions, _ = world[0].shape
-    change = 0.0
+    num_states, num_actions, num_outcomes = np.uint64(len(values)), np.uint64(world[0].shape[1]), np.uint64(world[0].shape[2])
+    tables, change = flat(world), 0.0
     for i in range(num_states):
-        s = num_states - 1 - i if backwards else i
-        best, chosen = backup(world, gamma, values, s, 0), 0
-        for a in range(1, num_actions):
-            worth = backup(world, gamma, values, s, a)
+        s = num_states - ONE - i if backwards else i
+        row = s * num_actions
+        best, chosen = -np.inf, row
+        for move in range(row, row + num_actions):
+            worth = backup(tables, gamma, values, move, num_outcomes)
             if worth > best:
-                best, chosen = worth, a
+                best, chosen = worth, move
         change = max(change, abs(best - values[s]))
-        values[s], policy[s] = best, chosen
+        values[s], policy[s] = best, chosen - row
     return change
 
 
@@ -267,16 +277,17 @@ def sweep_policy(gain, weight, following, values, backwards):
 @compiled
 def all_action_values(world, gamma, values, q, policy):
     """Write q[s, a] and its best actions, raise `values` to max_a q[s, a]; the largest change that made."""
-    num_states, num_actions, _ = world[0].shape
-    change = 0.0
-    for s in range(num_states):
-        chosen = 0
-        for a in range(num_actions):
-            q[s, a] = backup(world, gamma, values, s, a)
-            if q[s, a] > q[s, chosen]:
-                chosen = a
-        policy[s] = chosen
-        change = max(change, abs(q[s, chosen] - values[s]))
-    for s in range(num_states):
-        values[s] = q[s, policy[s]]
+    num_actions, num_outcomes = np.uint64(world[0].shape[1]), np.uint64(world[0].shape[2])
+    tables, q, change = flat(world), q.reshape(-1), 0.0
+    for s in range(np.uint64(len(values))):
+        row = s * num_actions
+        chosen = row
+        for move in range(row, row + num_actions):
+            q[move] = backup(tables, gamma, values, move, num_outcomes)
+            if q[move] > q[chosen]:
+                chosen = move
+        policy[s] = chosen - row
+        change = max(change, abs(q[chosen] - values[s]))
+    for s in range(np.uint64(len(values))):
+        values[s] = q[s * num_actions + np.uint64(policy[s])]
     return change

@@ -37,7 +37,7 @@ class MDP:
         if raw_next.min() < 0 or raw_next.max() >= raw_next.shape[0]:
             raise ValueError(f"next_state must be from 0 to {raw_next.shape[0] - 1}, got {raw_next.min()} to {raw_next.max()}")
         for name, dtype in (("next_state", np.int32), ("probability", float), ("reward", float), ("terminal", bool)):
-            array = np.ascontiguousarray(getattr(self, name), dtype=dtype).view()
+            array = np.array(getattr(self, name), dtype=dtype, order="C")  # a copy: the caller may go on writing in theirs
             if array.shape != raw_next.shape:
                 raise ValueError(f"{name} must have next_state's shape {raw_next.shape}, got {array.shape}")
             array.flags.writeable = False
@@ -76,17 +76,11 @@ class MDP:
         table = getattr(world, "P", None)
         if table is None:
             raise ValueError(f"{world} has no table of transitions (an attribute P or mdp), so it cannot be planned in")
-        num_states, num_actions = len(table), len(table[0])
-        num_outcomes = max(len(table[s][a]) for s in range(num_states) for a in range(num_actions))
-        shape = (num_states, num_actions, num_outcomes)
-        next_state, probability = np.zeros(shape, np.int32), np.zeros(shape)
-        reward, terminal = np.zeros(shape), np.zeros(shape, bool)
-        for s in range(num_states):
-            for a in range(num_actions):
-                for k, (p, s_next, r, done) in enumerate(table[s][a]):
-                    next_state[s, a, k], probability[s, a, k] = s_next, p
-                    reward[s, a, k], terminal[s, a, k] = r, done
-        return cls(next_state, probability, reward, terminal)
+        try:
+            return cls(*_arrays_of(table))
+        except (LookupError, TypeError, OverflowError) as error:
+            wanted = "P[s][a] = [(probability, next state, reward, done), …]"
+            raise ValueError(f"the table P of {world} is not of the form {wanted}: {type(error).__name__} {error}") from None
 
     @cached_property
     def T(self):
@@ -103,3 +97,18 @@ class MDP:
     def R(self):
         """R(s, a) = Σ_k probability · reward, float64[S, A]: the reward to expect."""
         return (self.probability * self.reward).sum(axis=2)
+
+
+def _arrays_of(table):
+    """next_state, probability, reward, terminal of a table P[s][a] = [(p, s', r, done), …]."""
+    num_states, num_actions = len(table), len(table[0])
+    num_outcomes = max(len(table[s][a]) for s in range(num_states) for a in range(num_actions))
+    shape = (num_states, num_actions, num_outcomes)
+    next_state, probability = np.zeros(shape, np.int32), np.zeros(shape)
+    reward, terminal = np.zeros(shape), np.zeros(shape, bool)
+    for s in range(num_states):
+        for a in range(num_actions):
+            for k, (p, s_next, r, done) in enumerate(table[s][a]):
+                next_state[s, a, k], probability[s, a, k] = s_next, p
+                reward[s, a, k], terminal[s, a, k] = r, done
+    return next_state, probability, reward, terminal

@@ -38,10 +38,7 @@ class QAgent:
     """
 
     def __init__(self, env, *, gamma=0.9, alpha=0.1, epsilon=0.1, epsilon_decay=1.0, alpha_power=0.0, seed=0):
-        for name in ("observation_space", "action_space"):
-            space = getattr(env, name, None)
-            if not isinstance(space, gymnasium.spaces.Discrete):
-                raise ValueError(f"QAgent needs an environment with a Discrete {name}, got {space}")
+        shape = _table_shape(env)
         self.gamma = fraction("gamma", gamma)
         self.alpha = fraction("alpha", alpha, above_zero=True)
         self.epsilon = fraction("epsilon", epsilon)
@@ -52,8 +49,7 @@ class QAgent:
         self.seed = whole_number("seed", seed)
         self.env = env
         self.rng = np.random.default_rng(self.seed)
-        self.q_table = np.zeros((int(env.observation_space.n), int(env.action_space.n)))
-        self.visits = np.zeros(self.q_table.shape, np.int64)
+        self.q_table, self.visits = np.zeros(shape), np.zeros(shape, np.int64)
         self.history = _Records(0).history()
         env.reset(seed=int(self.rng.integers(2**31)))
 
@@ -74,7 +70,10 @@ class QAgent:
         bar = _bar(num_episodes) if progress else None
         try:
             while records.done < num_episodes:
-                self.epsilon = self._play_in_python(records, max_steps) if world is None else world.play(self, records, max_steps)
+                if world is None:
+                    self._play_in_python(records, max_steps)
+                else:
+                    world.play(self, records, max_steps)
                 if bar is not None:
                     bar.update(records.done - bar.n)
         finally:
@@ -116,17 +115,20 @@ class QAgent:
         `ValueError` for a damaged or foreign file, and for an `env` with other numbers of states or actions.
         """
         arrays, settings = load_arrays(path, kind="QAgent")
+        shape = _table_shape(env)
         try:
-            agent = cls(env, **settings["agent"])
-            q_table, visits = arrays["q_table"], arrays["visits"]
-            rng, env_rng = settings["rng"], settings["env_rng"]
-        except (KeyError, TypeError) as error:
-            raise ValueError(f"{path} is not a saved QAgent: {error} is missing or of another form") from None
-        if q_table.shape != agent.q_table.shape or visits.shape != agent.q_table.shape:
-            raise ValueError(f"{path} holds a table of shape {q_table.shape}, this environment needs {agent.q_table.shape}")
-        agent.q_table[:], agent.visits[:] = q_table, visits
-        agent.rng.bit_generator.state = rng
-        env.unwrapped.np_random.bit_generator.state = env_rng
+            q_table, visits = arrays["q_table"].astype(float), arrays["visits"].astype(np.int64)
+            rng, env_rng = _generator(settings["rng"]), _generator(settings["env_rng"])
+            agent_settings = {name: settings["agent"][name] for name in _SETTINGS}
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise ValueError(f"{path} is not a saved QAgent: something is missing or of another form ({error!r})") from None
+        if q_table.shape != shape or visits.shape != shape:
+            raise ValueError(f"{path} holds a table of shape {q_table.shape}, this environment needs {shape}")
+        if not np.isfinite(q_table).all():
+            raise ValueError(f"{path} is not a saved QAgent: its table holds NaN or infinity")
+        agent = cls(env, **agent_settings)
+        agent.q_table, agent.visits, agent.rng = q_table, visits, rng
+        env.unwrapped.np_random.bit_generator.state = env_rng.bit_generator.state
         return agent
 
     @property
@@ -151,7 +153,7 @@ class QAgent:
             if terminated or truncated:
                 break
         records.add(episode_return, step, terminated)
-        return self.epsilon * self.epsilon_decay
+        self.epsilon *= self.epsilon_decay
 
     def _learn(self, state, action, reward, next_state, terminated):
         """One update of the table (Sutton & Barto, 2nd ed., eq. 6.8)."""
@@ -164,6 +166,21 @@ class QAgent:
 
 
 _SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "seed")
+
+
+def _table_shape(env):
+    for name in ("observation_space", "action_space"):
+        space = getattr(env, name, None)
+        if not isinstance(space, gymnasium.spaces.Discrete):
+            raise ValueError(f"QAgent needs an environment with a Discrete {name}, got {space}")
+    return int(env.observation_space.n), int(env.action_space.n)
+
+
+def _generator(state):
+    """The generator in that state, as `bit_generator.state` gave it."""
+    bits = np.random.PCG64()
+    bits.state = state
+    return np.random.Generator(bits)
 
 
 class _Records:
@@ -205,13 +222,13 @@ class _TableWorld:
         """The table world that `env` is, or None: a subclass, a patched step or a wrapper may play by other rules."""
         time_limit, layer = None, env
         while isinstance(layer, gymnasium.Wrapper):
-            if type(layer) not in _NO_MORE_THAN_TIMING:
+            if type(layer) not in _NO_MORE_THAN_TIMING or _is_patched(layer):
                 return None
             if isinstance(layer, gymnasium.wrappers.TimeLimit):
                 limit = layer._max_episode_steps
                 time_limit = limit if time_limit is None else min(limit, time_limit)
             layer = layer.env
-        if {"step", "reset"} & vars(layer).keys():
+        if _is_patched(layer) or getattr(layer, "render_mode", None) == "human":  # somebody watches every step
             return None
         if _is_maze(layer):
             return cls(env, layer.mdp, np.full((1, 1, 1), float(layer.start)), False, time_limit)
@@ -220,18 +237,27 @@ class _TableWorld:
         return None
 
     def play(self, agent, records, max_steps):
-        """About a million steps; a mid-episode stop is carried in `records`. Returns epsilon as it then is."""
+        """About a million steps; a mid-episode stop is carried in `records`."""
         from course_lib import kernels
 
         if self.time_limit is not None:
             max_steps = min(max_steps, self.time_limit)
-        mdp = self.mdp
-        return kernels.q_learning(
-            agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
-            self.start, self.draw_always, agent.rng, self.env.unwrapped.np_random,
-            agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
-            max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
-        )  # fmt: skip
+        mdp, done = self.mdp, records.done
+        try:
+            agent.epsilon = kernels.q_learning(
+                agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
+                self.start, self.draw_always, agent.rng, self.env.unwrapped.np_random,
+                agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
+                max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
+            )  # fmt: skip
+        except KeyboardInterrupt:  # it is heard when the kernel is through, and what it returned is lost
+            for _ in range(records.done - done):
+                agent.epsilon *= agent.epsilon_decay
+            raise
+
+
+def _is_patched(env):
+    return bool({"step", "reset"} & vars(env).keys())
 
 
 def _is_maze(env):

@@ -8,7 +8,7 @@ def number(name, value):
     """`value` as a finite float; `ValueError` when it is anything else (NaN, infinity, text, None)."""
     try:
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be a number, got {value!r}") from None
     if not math.isfinite(result):
         raise ValueError(f"{name} must be a finite number, got {value!r}")

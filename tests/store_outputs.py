@@ -1,4 +1,4 @@
-"""Run notebooks from a fresh kernel and store what they print, in one tidy form: python tests/store_outputs.py [notebook …]
+"""Run notebooks from a fresh kernel and store what they print: python tests/store_outputs.py [notebook …]
 
 Run it after a change to a lesson, then look at what changed (`git diff`): the stored outputs are what nbval expects.
 Without arguments it takes every notebook of the course.
@@ -24,7 +24,9 @@ def tidy(notebook):
 
 def store(path):
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": path.parent}}).execute()
+    NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": path.parent}}
+    ).execute()
     nbformat.validate(tidy(notebook))
     nbformat.write(notebook, path)
 

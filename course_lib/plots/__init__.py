@@ -1,6 +1,6 @@
 """Pictures that stand still. Each function returns a `Picture`, which a notebook shows with its text alternative."""
 
-from course_lib.plots.curves import bars, contraction, learning_curves
+from course_lib.plots.curves import contraction, learning_curves
 from course_lib.plots.diagrams import agent_loop, method_chart, neural_network
 from course_lib.plots.grid import action_values, maze, transition, values
 from course_lib.plots.picture import Picture
@@ -9,7 +9,6 @@ __all__ = [
     "Picture",
     "action_values",
     "agent_loop",
-    "bars",
     "contraction",
     "learning_curves",
     "maze",

@@ -5,7 +5,9 @@ import numpy as np
 from course_lib.plots.picture import FAINT, INK, LINE_STYLES, PALETTE, Picture, dress, new_figure
 
 
-def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None, log=False):
+def learning_curves(
+    curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None, log=False
+):
     """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
 
     truth: a number to compare with, or None; log: a logarithmic scale upwards. The picture says which band it shows.
@@ -20,7 +22,9 @@ def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of
         words.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
     if truth is not None:
         axes.axhline(truth, color=INK, linewidth=1, linestyle=":")
-        axes.annotate(f"{truth:.3g}", (1, truth), xycoords=("axes fraction", "data"), va="bottom", ha="right", color=INK)
+        axes.annotate(
+            f"{truth:.3g}", (1, truth), xycoords=("axes fraction", "data"), va="bottom", ha="right", color=INK
+        )
     if log:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
@@ -29,41 +33,26 @@ def learning_curves(curves, *, band=(5, 95), xlabel="episode", ylabel="return of
     dress(axes, title=title, xlabel=xlabel, ylabel=ylabel, legend=True)
     note = f"line: median of {count}; band: {band[0]} % to {band[1]} % of them"
     axes.text(0, -0.26, note, transform=axes.transAxes, fontsize=9, color=INK)
-    alt = f"{title or 'Learning curves'}, {ylabel} by {xlabel}, median of {count} and {band[0]} to {band[1]} % band. At the end: "
-    return Picture(figure, alt + "; ".join(words) + ".")
+    alt = f"{title or 'Learning curves'}, {ylabel} by {xlabel}, median of {count} and {band[0]} to {band[1]} % band."
+    return Picture(figure, f"{alt} At the end: {'; '.join(words)}.")
 
 
 def contraction(errors, gamma, *, title=""):
-    """Largest error after each sweep on a log scale, against the bound gamma^k times the first; errors: {label: float[K]}."""
+    """Largest error after each sweep, on a log scale, against gamma^k times the first; errors: {label: float[K]}."""
     figure, axes = new_figure(7.2, 3.8)
     first = max(float(series[0]) for series in errors.values())
     longest = max(len(series) for series in errors.values())
-    axes.semilogy(first * gamma ** np.arange(longest), color=INK, linewidth=1.5, linestyle=":", label=f"bound: {gamma}^k")
+    axes.semilogy(
+        first * gamma ** np.arange(longest), color=INK, linewidth=1.5, linestyle=":", label=f"bound: {gamma}^k"
+    )
     words = []
     for i, (label, series) in enumerate(errors.items()):
         series = np.asarray(series, dtype=float)
         shown = np.where(series > 0, series, np.nan)  # a log scale has no place for an error of exactly zero
-        axes.semilogy(shown, color=PALETTE[i], linestyle=LINE_STYLES[i], marker="o", markersize=3, linewidth=2, label=label)
+        axes.semilogy(
+            shown, color=PALETTE[i], linestyle=LINE_STYLES[i], marker="o", markersize=3, linewidth=2, label=label
+        )
         words.append(f"{label}: from {series[0]:.2g} to {series[-1]:.2g} in {len(series) - 1} sweeps")
     dress(axes, title=title, xlabel="sweep k", ylabel="largest error of any state", legend=True)
     return Picture(figure, f"{title or 'Errors'}, log scale, against the bound {gamma}^k. {'; '.join(words)}.")
 
-
-def bars(groups, labels, *, xlabel="", ylabel="", title=""):
-    """Bars side by side, one group a label; groups: {name: float[len(labels)]}."""
-    figure, axes = new_figure(7.2, 3.4)
-    places, width = np.arange(len(labels)), 0.8 / len(groups)
-    words = []
-    for i, (name, heights) in enumerate(groups.items()):
-        offset = (i - (len(groups) - 1) / 2) * width
-        drawn = axes.bar(
-            places + offset, heights, width * 0.94, color=PALETTE[i], label=name, hatch=(None, "///", "...")[i % 3],
-            edgecolor=(FAINT, "white", "white")[i % 3], linewidth=0,
-        )  # fmt: skip
-        axes.bar_label(drawn, fmt="%.3g", fontsize=9, color=INK, padding=2)
-        words.append(f"{name}: " + ", ".join(f"{label} {height:.3g}" for label, height in zip(labels, heights, strict=True)))
-    axes.set_xticks(places, labels)
-    dress(axes, title=title, xlabel=xlabel, ylabel=ylabel, legend=len(groups) > 1)
-    axes.grid(visible=False, axis="x")
-    axes.margins(y=0.15)
-    return Picture(figure, f"{title or 'Bars'}. {'. '.join(words)}.")

@@ -11,7 +11,7 @@ _WALL = "#4a4f57"
 
 
 def maze(world, *, mouse=None, path=None, title=""):
-    """The maze as the mouse would see it from above: start, goal, walls; `path`: a list of states to draw as a trail."""
+    """The maze from above: start, goals, walls and the mouse; `path`: a list of states to draw as a trail."""
     figure, axes = _board(world, title)
     _draw_tiles(axes, world, fill=True)
     mouse = world.start if mouse is None and path is None else mouse
@@ -36,7 +36,8 @@ def values(world, state_values, *, q=None, title="", label="value of the cell"):
     few = world.columns <= _MOST_NUMBERS
     figure, axes = _board(world, title, legend_room=1.1)
     seaborn.heatmap(
-        grid, ax=axes, mask=over, cmap="cividis", annot=numbers if few and q is None else False, fmt="", square=True, linewidths=few * 1.5,
+        grid, ax=axes, mask=over, cmap="cividis", square=True, linewidths=few * 1.5,
+        annot=numbers if few and q is None else False, fmt="",
         linecolor=PAPER, annot_kws={"fontsize": 11}, cbar_kws={"label": label}, xticklabels=False, yticklabels=False,
     )  # fmt: skip
     _label_rows_and_columns(axes, world)
@@ -72,7 +73,7 @@ def action_values(world, q, *, title="", span=None):
 
 
 def transition(world, state, action, *, counts=None, title=""):
-    """Where `action` in `state` may lead: the probabilities T(s, a, s') on the maze, beside them `counts` int[S] if given."""
+    """T(s, a, s'), where `action` in `state` may lead, drawn on the maze; beside it `counts`, int[S], if given."""
     chances = world.mdp.T[state, action]
     name = Action(action).name.lower()
     reached = [int(s) for s in np.flatnonzero(chances)]
@@ -92,7 +93,11 @@ def transition(world, state, action, *, counts=None, title=""):
         _draw_mouse(panel, world, state, small=True)
         _draw_arrow(panel, world, state, action, from_middle=0.2)
     words = ", ".join(f"state {s} with probability {chances[s]:.3g}" for s in reached)
-    tries = "" if counts is None else f" In {total:,} tries: " + ", ".join(f"state {s} {counts[s]:,} times" for s in reached) + "."
+    tries = (
+        ""
+        if counts is None
+        else f" In {total:,} tries: " + ", ".join(f"state {s} {counts[s]:,} times" for s in reached) + "."
+    )
     return Picture(figure, f"Action {name} in state {state} leads to {words}.{tries}")
 
 
@@ -140,7 +145,9 @@ def _draw_tiles(axes, world, *, fill):
         axes.tick_params(which="minor", length=0)
     walls = [Rectangle((column, row), 1, 1) for row, column in np.argwhere(world.grid == Tile.WALL)]
     hatch = "///" if world.columns <= _MOST_NUMBERS else None
-    axes.add_collection(PatchCollection(walls, facecolor=_WALL, edgecolor="#6a7079", hatch=hatch, linewidth=0, zorder=1))
+    axes.add_collection(
+        PatchCollection(walls, facecolor=_WALL, edgecolor="#6a7079", hatch=hatch, linewidth=0, zorder=1)
+    )
     if fill and world.columns <= _MOST_NUMBERS:
         row, column = divmod(world.start, world.columns)
         axes.text(column + 0.5, row + 0.91, "start", fontsize=9, color=INK, ha="center", va="center")
@@ -157,11 +164,15 @@ def _draw_mouse(axes, world, state, *, small=False):
     row, column = divmod(int(state), world.columns)
     x, y, size = column + 0.5, row + (0.46 if small else 0.5), 0.15 if small else 0.22
     for ear in (-1, 1):
-        axes.add_patch(Circle((x + ear * size * 0.8, y - size * 0.8), size * 0.55, facecolor="#b9a7a0", edgecolor=INK, zorder=5))
+        axes.add_patch(
+            Circle((x + ear * size * 0.8, y - size * 0.8), size * 0.55, facecolor="#b9a7a0", edgecolor=INK, zorder=5)
+        )
     axes.add_patch(Ellipse((x, y), size * 2.1, size * 1.9, facecolor="#8d7b74", edgecolor=INK, zorder=6))
     for eye in (-1, 1):
         axes.add_patch(Circle((x + eye * size * 0.4, y - size * 0.15), size * 0.13, facecolor=INK, zorder=7))
-    axes.add_patch(Circle((x, y + size * 0.45), size * 0.17, facecolor="#f2b8c6", edgecolor=INK, linewidth=0.5, zorder=7))
+    axes.add_patch(
+        Circle((x, y + size * 0.45), size * 0.17, facecolor="#f2b8c6", edgecolor=INK, linewidth=0.5, zorder=7)
+    )
 
 
 def _draw_cheese(axes, world, beside=None):
@@ -178,8 +189,8 @@ def _draw_cheese(axes, world, beside=None):
 
 
 def _short(number):
-    """Three digits, whole numbers from a thousand up whole."""
-    return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
+    """Three digits, of which at most three behind the point; whole numbers from a thousand up."""
+    return f"{number:,.0f}" if abs(number) >= 1000 else f"{round(float(number), 3):.3g}"
 
 
 def _acting_states(world):
@@ -217,7 +228,8 @@ def _draw_arrow(axes, world, states, actions, *, lift=0.0, from_middle=0.06):
     width = 0.055 if world.columns <= _MOST_NUMBERS else 0.1
     arrows = axes.quiver(
         columns + 0.5 + right * from_middle, rows + 0.5 + lift + down * from_middle, right * 0.28, down * 0.28,
-        angles="xy", scale_units="xy", scale=1, units="xy", width=width, color="white", edgecolor=INK, linewidth=0.9, zorder=8,
+        angles="xy", scale_units="xy", scale=1, units="xy", width=width,
+        color="white", edgecolor=INK, linewidth=0.9, zorder=8,
     )  # fmt: skip
     arrows.set_gid("best actions")
     return arrows
@@ -258,13 +270,16 @@ def _words_for(world):
     walls = [int(s) for s in np.flatnonzero(world.grid == Tile.WALL)]
     shown = ", ".join(map(str, walls[:12])) + (" and more" if len(walls) > 12 else "")
     goals = ", ".join(map(str, world.goals))
-    return f"{world.rows} rows and {world.columns} columns, start in state {world.start}, goal in state {goals}, walls in states {shown or 'none'}."
+    size = f"{world.rows} rows and {world.columns} columns"
+    return f"{size}, start in state {world.start}, goal in state {goals}, walls in states {shown or 'none'}."
 
 
 def _words_for_values(world, state_values, q):
     acting = _acting_states(world)
     low, high = float(state_values[acting].min()), float(state_values[acting].max())
-    words = f"from {_short(low)} to {_short(high)}, the start {_short(state_values[world.start])}, highest in state {acting[state_values[acting].argmax()]}."
+    highest = acting[state_values[acting].argmax()]
+    words = f"from {_short(low)} to {_short(high)}, highest in state {highest},"
+    words += f" the start {_short(state_values[world.start])}."
     if q is None:
         return words
     names = " or ".join(Action(a).name.lower() for a in best_actions(q[world.start]))

@@ -6,7 +6,15 @@ from html import escape
 
 PAPER, INK, FAINT = "#fdfdfb", "#22262b", "#8a9099"
 # Okabe and Ito's palette, told apart by every kind of colour vision
-BLUE, ORANGE, GREEN, PINK, SKY, RED, YELLOW = "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"
+BLUE, ORANGE, GREEN, PINK, SKY, RED, YELLOW = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#cc79a7",
+    "#56b4e9",
+    "#d55e00",
+    "#f0e442",
+)
 PALETTE = (BLUE, RED, GREEN, PINK, ORANGE, SKY)
 LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (1, 1)))
 
@@ -15,7 +23,7 @@ _DOTS_PER_INCH, _SHOWN_PER_INCH = 180, 90
 
 
 class Picture:
-    """A matplotlib figure and its text alternative. The last value of a cell shows itself; `figure` is there to change."""
+    """A matplotlib `figure` and its text alternative, `alt`. As the last value of a cell it shows itself."""
 
     def __init__(self, figure, alt):
         self.figure, self.alt = figure, " ".join(alt.split())
@@ -36,7 +44,8 @@ class Picture:
     def _repr_mimebundle_(self, include=None, exclude=None):  # noqa: ARG002 (IPython's signature)
         data = base64.b64encode(self.png()).decode()
         width = round(self.figure.get_figwidth() * _SHOWN_PER_INCH)
-        html = f'<img alt="{escape(self.alt)}" width="{width}" style="max-width:100%;height:auto" src="data:image/png;base64,{data}">'
+        look = f'width="{width}" style="max-width:100%;height:auto"'
+        html = f'<img alt="{escape(self.alt)}" {look} src="data:image/png;base64,{data}">'
         return {"text/html": html, "text/plain": repr(self)}
 
 

@@ -34,7 +34,7 @@ def arrows(picture):
 
 def words_on_screen(picture):
     picture.figure.canvas.draw()
-    return [text.get_text() for axes in picture.figure.axes for text in axes.texts]
+    return [text.get_text() for axes in picture.figure.axes for text in axes.texts if text.get_gid() != "state number"]
 
 
 @pytest.mark.parametrize("action", Action)
@@ -88,6 +88,43 @@ def test_a_heat_map_shows_every_value_except_walls_and_goals():
     assert sorted(shown) == sorted(f"{s / 100:.3g}" for s in range(16) if s not in (6, 10, 12, 15))
 
 
+def test_numbers_stand_out_on_their_colours():
+    maze = Maze([[3, 0, 0, 0], [0, 0, 0, 4]])
+    picture = plots.values(maze, np.linspace(0, 1, 8))
+    axes = picture.figure.axes[0]
+    picture.figure.canvas.draw()
+    cells = axes.collections[0].get_facecolors()
+    shown = [text for text in axes.texts if text.get_gid() != "state number"]
+    assert len(shown) == 7
+    for text in shown:
+        column, row = (int(place) for place in text.get_position())
+        levels = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in cells[row * 4 + column][:3]]
+        luminance = np.dot([0.2126, 0.7152, 0.0722], levels)
+        contrast = (luminance + 0.05) / 0.05 if text.get_color() == "black" else 1.05 / (luminance + 0.05)
+        assert contrast >= 4.5
+
+
+def test_a_policy_is_drawn_as_it_is():
+    maze = Maze([[3, 0, 0], [0, 0, 0], [0, 0, 4]])
+    policy = np.array([3, 1, 1, 0, 2, 1, 3, 3, 0])
+    assert dict(arrows(plots.values(maze, np.zeros(9), policy=policy))) == dict(enumerate(map(Action, policy[:8])))
+
+
+def test_differences_have_zero_in_the_middle_of_the_colours():
+    mesh = plots.values(Maze([[3, 0], [0, 4]]), [-2.0, 0.5, 1.0, 0.0], signed=True).figure.axes[0].collections[0]
+    assert mesh.get_clim() == (-2.0, 2.0)
+
+
+def test_cells_without_a_number_stay_empty():
+    shown = words_on_screen(plots.values(Maze([[3, 0], [0, 4]]), [0.25, np.nan, 0.5, 0.0]))
+    assert sorted(shown) == ["0.25", "0.5"]
+
+
+def test_a_cell_that_costs_says_so():
+    maze = Maze([[3, 0], [0, 4]], cell_rewards=[[0, -0.3], [0, 0]])
+    assert "-0.3" in words_on_screen(plots.maze(maze))
+
+
 def test_a_transition_shows_each_probability_in_its_cell():
     maze = Maze(slip=0.2)
     picture = plots.transition(maze, 5, Action.RIGHT)
@@ -95,7 +132,7 @@ def test_a_transition_shows_each_probability_in_its_cell():
     numbers = {
         (int(text.get_position()[1]), int(text.get_position()[0])): text.get_text()
         for text in axes.texts
-        if text.get_text() not in ("start", "goal")
+        if text.get_text() not in ("start", "goal") and text.get_gid() != "state number"
     }
     assert numbers == {(0, 1): "0.1", (1, 1): "0.8", (2, 1): "0.1"}
     assert "state 5 with probability 0.8" in picture.alt

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from course_lib.plots.picture import FAINT, INK, LINE_STYLES, PALETTE, Picture, dress, new_figure
+from course_lib.plots.picture import INK, LINE_STYLES, PALETTE, Picture, dress, new_figure
 
 
 def learning_curves(
@@ -10,7 +10,8 @@ def learning_curves(
 ):
     """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
 
-    truth: a number to compare with, or None; log: a logarithmic scale upwards. The picture says which band it shows.
+    truth: (words, number) to compare with, or None; log: a logarithmic scale upwards. The picture says which band it
+    shows.
     """
     figure, axes = new_figure(7.2, 3.8)
     words = []
@@ -21,10 +22,9 @@ def learning_curves(
         axes.plot(episodes, middle, color=PALETTE[i], linestyle=LINE_STYLES[i], linewidth=2, label=label)
         words.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
     if truth is not None:
-        axes.axhline(truth, color=INK, linewidth=1, linestyle=":")
-        axes.annotate(
-            f"{truth:.3g}", (1, truth), xycoords=("axes fraction", "data"), va="bottom", ha="right", color=INK
-        )
+        axes.axhline(truth[1], color=INK, linewidth=1, linestyle=":")
+        place = {"xycoords": ("axes fraction", "data"), "xytext": (-4, 3), "textcoords": "offset points"}
+        axes.annotate(f"{truth[0]}: {truth[1]:.3g}", (1, truth[1]), va="bottom", ha="right", color=INK, **place)
     if log:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
@@ -43,7 +43,7 @@ def contraction(errors, gamma, *, title=""):
     first = max(float(series[0]) for series in errors.values())
     longest = max(len(series) for series in errors.values())
     axes.semilogy(
-        first * gamma ** np.arange(longest), color=INK, linewidth=1.5, linestyle=":", label=f"bound: {gamma}^k"
+        first * gamma ** np.arange(longest), color=INK, linewidth=1.5, linestyle=":", label=f"first error × {gamma}^k"
     )
     words = []
     for i, (label, series) in enumerate(errors.items()):
@@ -54,5 +54,6 @@ def contraction(errors, gamma, *, title=""):
         )
         words.append(f"{label}: from {series[0]:.2g} to {series[-1]:.2g} in {len(series) - 1} sweeps")
     dress(axes, title=title, xlabel="sweep k", ylabel="largest error of any state", legend=True)
-    return Picture(figure, f"{title or 'Errors'}, log scale, against the bound {gamma}^k. {'; '.join(words)}.")
-
+    return Picture(
+        figure, f"{title or 'Errors'}, log scale, against the first error times {gamma}^k. {'; '.join(words)}."
+    )

@@ -9,11 +9,11 @@ from course_lib.plots.picture import BLUE, FAINT, GREEN, INK, ORANGE, PINK, RED,
 
 def agent_loop(*, agent="mouse", environment="maze"):
     """The agent-environment loop (after Sutton & Barto, 2nd ed., figure 3.1)."""
-    figure, axes = _canvas(7.0, 3.0)
+    figure, axes = _canvas(7.6, 3.0)
     _box(axes, 0.5, 0.76, 0.34, f"agent\n({agent})", SKY)
     _box(axes, 0.5, 0.22, 0.34, f"environment\n({environment})", ORANGE)
     _bend(axes, [(0.67, 0.76), (0.86, 0.76), (0.86, 0.22), (0.67, 0.22)], BLUE)
-    _write(axes, 0.88, 0.5, "action\nwhat it does", ha="left")
+    _write(axes, 0.88, 0.5, "action: what it does", ha="left")
     _bend(axes, [(0.33, 0.22), (0.14, 0.22), (0.14, 0.76), (0.33, 0.76)], GREEN)
     _write(axes, 0.12, 0.5, "state: where it is\nreward: what it got", ha="right")
     alt = f"A loop: the agent ({agent}) sends an action to the environment ({environment});"

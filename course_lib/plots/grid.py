@@ -25,27 +25,43 @@ def maze(world, *, mouse=None, path=None, title=""):
     return Picture(figure, f"{title or 'The maze'}: {_words_for(world)}{trail}")
 
 
-def values(world, state_values, *, q=None, title="", label="value of the cell"):
-    """A heat map of one number a state; with `q`, float[S, A], arrows for every best action."""
+def values(world, state_values, *, q=None, policy=None, title="", label="value of the cell", span=None, signed=False):
+    """A heat map of one number a state, and arrows: for every best action of `q`, float[S, A], or for a `policy`, int[S].
+
+    Cells that are NaN stay empty. span: (lowest, highest) of the colours, so that pictures can be compared; signed:
+    zero in the middle of the colours, for differences.
+    """
     import seaborn
 
     state_values = np.asarray(state_values, dtype=float)
-    over = np.isin(world.grid, (Tile.WALL, Tile.GOAL))  # nothing happens there any more, so there is nothing to value
-    grid = state_values.reshape(world.grid.shape)
-    numbers = np.vectorize(_short)(grid)
+    shown = [s for s in _acting_states(world) if not np.isnan(state_values[s])]
+    low, high = span or (state_values[shown].min(), state_values[shown].max())
+    if signed:
+        low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
+    colours = "PuOr" if signed else "viridis"
     few = world.columns <= _MOST_NUMBERS
+    empty = np.ones(world.grid.size, bool)
+    empty[shown] = False
     figure, axes = _board(world, title, legend_room=1.1)
     seaborn.heatmap(
-        grid, ax=axes, mask=over, cmap="cividis", square=True, linewidths=few * 1.5,
-        annot=numbers if few and q is None else False, fmt="",
-        linecolor=PAPER, annot_kws={"fontsize": 11}, cbar_kws={"label": label}, xticklabels=False, yticklabels=False,
+        state_values.reshape(world.grid.shape), ax=axes, mask=empty.reshape(world.grid.shape), cmap=colours,
+        vmin=low, vmax=high, square=True, linewidths=few * 1.5, linecolor=PAPER, cbar_kws={"label": label},
+        xticklabels=False, yticklabels=False,
     )  # fmt: skip
     _label_rows_and_columns(axes, world)
     _draw_tiles(axes, world, fill=False)
     _draw_cheese(axes, world)
+    q = q if policy is None else np.eye(len(Action))[policy]
+    if few:
+        ink = _readable_on(colours, low, high)
+        for s in shown:
+            row, column = divmod(s, world.columns)
+            look = {"ha": "center", "va": "center", "fontsize": 11, "color": ink(state_values[s])}
+            axes.text(column + 0.5, row + (0.5 if q is None else 0.24), _short(state_values[s]), **look)
+            _number_cell(axes, world, s, ink(state_values[s]))
     if q is not None:
-        _draw_arrows(axes, world, np.asarray(q, dtype=float), state_values if few else None)
-    return Picture(figure, f"{title or 'Values'}: {_words_for_values(world, state_values, q)}")
+        _draw_best_actions(axes, world, np.asarray(q, dtype=float), lift=0.15 if few else 0.0)
+    return Picture(figure, f"{title or 'Values'}: {_words_for_values(world, state_values, shown, q)}")
 
 
 def action_values(world, q, *, title="", span=None):
@@ -59,17 +75,18 @@ def action_values(world, q, *, title="", span=None):
     acting = _acting_states(world)
     low, high = span or (float(q[acting].min()), float(q[acting].max()))
     norm = colors.Normalize(low, high if high > low else low + 1)
+    ink = _readable_on("viridis", low, high)
     figure, axes = _board(world, title, legend_room=1.1, cell=1.25)
     for s in acting:
         for a in Action:
-            _draw_wedge(axes, world, s, a, q[s], colormaps["cividis"], norm)
+            _draw_wedge(axes, world, s, a, q[s], colormaps["viridis"](norm(q[s, a])), ink(q[s, a]))
     axes.set_xlim(0, world.columns)
     axes.set_ylim(world.rows, 0)
     _draw_tiles(axes, world, fill=False)
     _draw_cheese(axes, world)
     scale = figure.colorbar(_mappable(norm), ax=axes, label="Q(s, a)", shrink=0.85)
     scale.outline.set_visible(False)
-    return Picture(figure, f"{title or 'Action values'}: {_words_for_values(world, q.max(axis=1), q)}")
+    return Picture(figure, f"{title or 'Action values'}: {_words_for_values(world, q.max(axis=1), acting, q)}")
 
 
 def transition(world, state, action, *, counts=None, title=""):
@@ -88,7 +105,7 @@ def transition(world, state, action, *, counts=None, title=""):
         for s in np.flatnonzero(share):
             row, column = divmod(int(s), world.columns)
             panel.add_patch(_square(column, row, facecolor=SKY, alpha=0.25 + 0.75 * float(share[s])))
-            panel.text(column + 0.94, row + 0.15, f"{share[s]:.3g}", ha="right", va="center", color=INK, fontsize=11)
+            panel.text(column + 0.94, row + 0.14, f"{share[s]:.3g}", ha="right", va="center", color=INK, fontsize=11)
         _draw_cheese(panel, world)
         _draw_mouse(panel, world, state, small=True)
         _draw_arrow(panel, world, state, action, from_middle=0.2)
@@ -148,7 +165,11 @@ def _draw_tiles(axes, world, *, fill):
     axes.add_collection(
         PatchCollection(walls, facecolor=_WALL, edgecolor="#6a7079", hatch=hatch, linewidth=0, zorder=1)
     )
-    if fill and world.columns <= _MOST_NUMBERS:
+    if hatch:
+        _draw_cell_rewards(axes, world)
+    if fill and hatch:
+        for s in range(world.grid.size):
+            _number_cell(axes, world, s, "white" if world.grid.flat[s] == Tile.WALL else INK)
         row, column = divmod(world.start, world.columns)
         axes.text(column + 0.5, row + 0.91, "start", fontsize=9, color=INK, ha="center", va="center")
         for goal in world.goals:
@@ -178,14 +199,34 @@ def _draw_mouse(axes, world, state, *, small=False):
 def _draw_cheese(axes, world, beside=None):
     from matplotlib.patches import Circle, Polygon
 
-    for goal in world.goals:
+    pays = {goal: world.goal_reward + world.cell_rewards.flat[goal] for goal in world.goals}
+    for goal, pay in pays.items():
         if goal == beside:
             continue
         row, column = divmod(goal, world.columns)
-        corners = [(column + 0.2, row + 0.7), (column + 0.8, row + 0.7), (column + 0.8, row + 0.3)]
+        size = 0.35 + 0.65 * max(pay, 0) / max(*pays.values(), 1e-9)  # a better cheese is a larger one
+        middle = np.array([column + 0.5, row + 0.5])
+        corners = middle + size * np.array([(-0.3, 0.2), (0.3, 0.2), (0.3, -0.2)])
         axes.add_patch(Polygon(corners, facecolor=YELLOW, edgecolor=ORANGE, linewidth=1.5, zorder=4))
-        for x, y, size in ((0.66, 0.57, 0.05), (0.5, 0.63, 0.035), (0.73, 0.45, 0.03)):
-            axes.add_patch(Circle((column + x, row + y), size, facecolor=ORANGE, zorder=5))
+        for x, y, radius in ((0.16, 0.07, 0.05), (0.0, 0.13, 0.035), (0.23, -0.05, 0.03)):
+            axes.add_patch(Circle(middle + size * np.array([x, y]), size * radius, facecolor=ORANGE, zorder=5))
+
+
+def _draw_cell_rewards(axes, world):
+    """What entering a cell costs or pays beside the rest: dotted, with the number."""
+    from matplotlib.patches import Rectangle
+
+    for s in np.flatnonzero(world.cell_rewards):
+        row, column = divmod(int(s), world.columns)
+        if world.grid[row, column] not in (Tile.WALL, Tile.GOAL):
+            axes.add_patch(
+                Rectangle((column, row), 1, 1, fill=False, edgecolor=SKY, hatch="..", linewidth=0, zorder=1.5)
+            )
+            note = f"{world.cell_rewards.flat[s]:+.3g}"
+            look = {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "linewidth": 0, "alpha": 0.8}
+            axes.text(
+                column + 0.95, row + 0.88, note, fontsize=8, ha="right", va="center", color=INK, bbox=look, zorder=9
+            )
 
 
 def _short(number):
@@ -202,23 +243,32 @@ def best_actions(q_row):
     return np.flatnonzero(q_row >= q_row.max() - _ALIKE * max(1.0, abs(q_row.max())))
 
 
-def _draw_arrows(axes, world, q, numbers):
-    """An arrow for every best action of every cell that acts; above it the cell's number, where there are `numbers`."""
-    states, actions = [], []
-    for s in _acting_states(world):
-        best = best_actions(q[s])
-        if len(best) < len(Action):  # nothing is known of a cell in which all actions are alike
-            states += [s] * len(best)
-            actions += best.tolist()
-    if states:
-        _draw_arrow(axes, world, states, actions, lift=0.1 if numbers is not None else 0.0)
-    if numbers is not None:
-        for s in _acting_states(world):
-            row, column = divmod(int(s), world.columns)
-            axes.text(
-                column + 0.5, row + 0.17, _short(numbers[s]), ha="center", va="center", fontsize=10, color="white",
-                bbox={"facecolor": INK, "alpha": 0.55, "linewidth": 0, "boxstyle": "round,pad=0.15"}, zorder=7,
-            )  # fmt: skip
+def _draw_best_actions(axes, world, q, lift):
+    """An arrow for every best action of every cell that acts; none where all are alike, since nothing is known there."""
+    pairs = [(s, a) for s in _acting_states(world) for a in best_actions(q[s]) if len(best_actions(q[s])) < len(Action)]
+    if pairs:
+        _draw_arrow(axes, world, *zip(*pairs, strict=True), lift=lift)
+
+
+def _readable_on(colours, low, high):
+    """A function from a value to black or white, whichever stands out more on the value's colour."""
+    from matplotlib import colormaps
+    from matplotlib.colors import Normalize
+
+    shade, norm = colormaps[colours], Normalize(low, high if high > low else low + 1)
+
+    def ink(value):
+        linear = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in shade(norm(value))[:3])
+        luminance = np.dot((0.2126, 0.7152, 0.0722), list(linear))  # as the W3C's contrast ratio has it
+        return "black" if (luminance + 0.05) / 0.05 > 1.05 / (luminance + 0.05) else "white"
+
+    return ink
+
+
+def _number_cell(axes, world, state, colour=INK):
+    """The state's number, small, in the corner of its cell."""
+    row, column = divmod(int(state), world.columns)
+    axes.text(column + 0.06, row + 0.12, str(state), fontsize=7.5, color=colour, va="center", gid="state number")
 
 
 def _draw_arrow(axes, world, states, actions, *, lift=0.0, from_middle=0.06):
@@ -227,7 +277,7 @@ def _draw_arrow(axes, world, states, actions, *, lift=0.0, from_middle=0.06):
     down, right = MOVES[np.atleast_1d(actions)].T
     width = 0.055 if world.columns <= _MOST_NUMBERS else 0.1
     arrows = axes.quiver(
-        columns + 0.5 + right * from_middle, rows + 0.5 + lift + down * from_middle, right * 0.28, down * 0.28,
+        columns + 0.5 + right * from_middle, rows + 0.5 + lift + down * from_middle, right * 0.26, down * 0.26,
         angles="xy", scale_units="xy", scale=1, units="xy", width=width,
         color="white", edgecolor=INK, linewidth=0.9, zorder=8,
     )  # fmt: skip
@@ -235,7 +285,7 @@ def _draw_arrow(axes, world, states, actions, *, lift=0.0, from_middle=0.06):
     return arrows
 
 
-def _draw_wedge(axes, world, s, a, row_values, colours, norm):
+def _draw_wedge(axes, world, s, a, row_values, colour, ink):
     from matplotlib.patches import Polygon
 
     row, column = divmod(int(s), world.columns)
@@ -243,7 +293,6 @@ def _draw_wedge(axes, world, s, a, row_values, colours, norm):
     down, right = MOVES[a]
     towards, across = np.array([right, down]) * 0.5, np.array([down, right]) * 0.5
     best = a in best_actions(row_values) and len(best_actions(row_values)) < len(Action)
-    colour = colours(norm(row_values[a]))
     corners = [middle, middle + towards - across, middle + towards + across]
     wedge = Polygon(corners, facecolor=colour, edgecolor=PAPER, linewidth=1, zorder=2)
     wedge.set_gid(f"wedge {int(s)} {int(a)}")
@@ -253,34 +302,32 @@ def _draw_wedge(axes, world, s, a, row_values, colours, norm):
         axes.add_patch(Polygon(inner, fill=False, edgecolor=RED, linewidth=2.2, zorder=3))
     if world.columns <= _MOST_NUMBERS:
         x, y = middle + towards * 0.62
-        light = norm(row_values[a]) > 0.55
         axes.text(
             x, y, f"{row_values[a]:.2f}", ha="center", va="center", fontsize=9, zorder=6,
-            color=INK if light else "white", fontweight="bold" if best else "normal",
+            color=ink, fontweight="bold" if best else "normal",
         )  # fmt: skip
 
 
 def _mappable(norm):
     from matplotlib.cm import ScalarMappable
 
-    return ScalarMappable(norm, "cividis")
+    return ScalarMappable(norm, "viridis")
 
 
 def _words_for(world):
     walls = [int(s) for s in np.flatnonzero(world.grid == Tile.WALL)]
     shown = ", ".join(map(str, walls[:12])) + (" and more" if len(walls) > 12 else "")
     goals = ", ".join(map(str, world.goals))
-    size = f"{world.rows} rows and {world.columns} columns"
+    size = f"{world.rows} × {world.columns} cells"
     return f"{size}, start in state {world.start}, goal in state {goals}, walls in states {shown or 'none'}."
 
 
-def _words_for_values(world, state_values, q):
-    acting = _acting_states(world)
-    low, high = float(state_values[acting].min()), float(state_values[acting].max())
-    highest = acting[state_values[acting].argmax()]
+def _words_for_values(world, state_values, shown, q):
+    low, high = float(state_values[shown].min()), float(state_values[shown].max())
+    highest = shown[state_values[shown].argmax()]
     words = f"from {_short(low)} to {_short(high)}, highest in state {highest},"
     words += f" the start {_short(state_values[world.start])}."
     if q is None:
         return words
-    names = " or ".join(Action(a).name.lower() for a in best_actions(q[world.start]))
-    return f"{words} Best action in the start: {names}."
+    names = " or ".join(Action(a).name.lower() for a in best_actions(np.asarray(q)[world.start]))
+    return f"{words} Arrows in the start: {names}."

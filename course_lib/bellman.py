@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from course_lib.mdp import MDP
 from course_lib.validate import fraction, number
 
 _DENSE_STATES = 1500  # up to here a linear system is solved as one; beyond, sweeps reach the same to 1e-12
@@ -21,9 +22,11 @@ _MOST_SWEEPS = 100_000  # gamma = 1 only: by then a world that has an end has co
 class Solution:
     """What a planner found: S states, A actions.
 
-    values float64[S], q float64[S, A], policy int64[S] (a best action, the first among equals); sweeps: how often every
-    state was looked at to improve the policy; error_bound: no value is further than this from V* (inf for gamma = 1,
-    where no bound follows from the last change).
+    values       float64[S]     V*, as far as it was computed
+    q            float64[S, A]  Q*
+    policy       int64[S]       a best action; which one, where several are equal up to rounding, is left open
+    sweeps       how often every state was looked at to improve the policy
+    error_bound  no value is further than this from V* (inf for gamma = 1, where no bound follows from the last change)
     """
 
     values: np.ndarray
@@ -38,6 +41,7 @@ def action_values(mdp, values, gamma):
 
     values: float64[S]. `ValueError` for a gamma outside [0, 1] or values of another shape.
     """
+    _check_mdp(mdp)
     gamma, values = fraction("gamma", gamma), _checked_values(mdp, values)
     following = np.where(mdp.terminal, 0.0, values[mdp.next_state])
     return (mdp.probability * (mdp.reward + gamma * following)).sum(axis=2)
@@ -59,8 +63,10 @@ def evaluate_policy(mdp, policy, gamma):
     """V_pi, float64[S]: the exact solution of the policy's linear equations; policy: int[S] or float[S, A].
 
     Up to 1,500 states one linear solve, (I - gamma T_pi) V = R_pi; beyond that sweeps, to a bound of 1e-12 of the
-    largest value. `ValueError` for a policy that is not one, or, at gamma = 1, one under which an episode may never end.
+    largest value. `ValueError` for a policy that is not one and, at gamma = 1, for one under which an episode may never
+    end.
     """
+    _check_mdp(mdp)
     gamma, weights = fraction("gamma", gamma), _as_probabilities(mdp, policy)
     if mdp.num_states <= _DENSE_STATES:
         if gamma == 1:
@@ -81,6 +87,7 @@ def value_iteration(mdp, gamma, *, tolerance=1e-8):
     """
     from course_lib import kernels
 
+    _check_mdp(mdp)
     gamma = fraction("gamma", gamma)
     if number("tolerance", tolerance) <= 0:
         raise ValueError(f"tolerance must be positive, got {tolerance!r}")
@@ -89,8 +96,12 @@ def value_iteration(mdp, gamma, *, tolerance=1e-8):
     if mdp.next_state.shape[2] == 1:
         kernels.spread_news(world, gamma, values)
     sweeps, change = 1, kernels.all_action_values(world, gamma, values, q, policy)
+    most_sweeps = _enough_sweeps(change, gamma, tolerance)
     while not _settled(change, values, gamma, tolerance):
-        _refuse_endless(sweeps, gamma)
+        if sweeps == most_sweeps:
+            _refuse_endless(gamma)
+            change = kernels.all_action_values(world, gamma, values, q, policy)
+            break
         followed = kernels.follow_policy(world, gamma, policy)
         for i in range(_SWEEPS_BETWEEN):
             if kernels.sweep_policy(*followed, values, i % 2 == 0) <= change * 1e-2:
@@ -99,6 +110,7 @@ def value_iteration(mdp, gamma, *, tolerance=1e-8):
         sweeps += 1
         if _settled(change, values, gamma, tolerance):
             change = kernels.all_action_values(world, gamma, values, q, policy)
+    _refuse_overflow(values)
     return Solution(values, q, policy, sweeps, _bound(change, gamma))
 
 
@@ -111,6 +123,7 @@ def policy_iteration(mdp, gamma):
     """
     from course_lib import kernels
 
+    _check_mdp(mdp)
     gamma, states = fraction("gamma", gamma), np.arange(mdp.num_states)
     policy = np.zeros(mdp.num_states, np.int64)
     q, values = np.empty((mdp.num_states, mdp.num_actions)), np.zeros(mdp.num_states)
@@ -127,6 +140,11 @@ def policy_iteration(mdp, gamma):
         if not better.any():
             return Solution(values, q, policy, sweeps, _bound(change, gamma))
         policy = np.where(better, best, policy)
+
+
+def _check_mdp(mdp):
+    if not isinstance(mdp, MDP):
+        raise ValueError(f"an MDP is needed, got {mdp!r}: take maze.mdp, or MDP.from_gymnasium(env)")
 
 
 def _world(mdp):
@@ -148,10 +166,15 @@ def _as_probabilities(mdp, policy):
     shape = (mdp.num_states, mdp.num_actions)
     if policy.shape == shape[:1] and np.issubdtype(policy.dtype, np.integer):
         if policy.min() < 0 or policy.max() >= shape[1]:
-            raise ValueError(f"a policy's actions must be from 0 to {shape[1] - 1}, got {policy.min()} to {policy.max()}")
+            raise ValueError(
+                f"a policy's actions must be from 0 to {shape[1] - 1}, got {policy.min()} to {policy.max()}"
+            )
         return np.eye(shape[1])[policy]
     if policy.shape != shape or not np.issubdtype(policy.dtype, np.number):
-        raise ValueError(f"a policy is int[{shape[0]}] (actions) or float{list(shape)} (probabilities), got {policy.dtype}{list(policy.shape)}")
+        raise ValueError(
+            f"a policy is int[{shape[0]}] (actions) or float{list(shape)} (probabilities),"
+            f" got {policy.dtype}{list(policy.shape)}"
+        )
     if not ((policy >= 0).all() and (np.abs(policy.sum(axis=1) - 1) <= 1e-9).all()):
         raise ValueError("a policy's probabilities must not be negative or NaN, and sum to 1 in every state")
     return policy.astype(float)
@@ -168,6 +191,7 @@ def _solve_densely(mdp, weights, gamma):
         values = np.full(mdp.num_states, np.inf)
     if gamma == 1 and not np.abs(values).max() < 1e12:  # singular up to rounding
         raise ValueError("at gamma = 1 this policy's values are not defined: an episode under it may never end")
+    _refuse_overflow(values)
     return values
 
 
@@ -180,7 +204,7 @@ def _refuse_never_ending(mdp, weights):
         ending = before | (may_happen & before[mdp.next_state]).any(axis=(1, 2))
     if not ending.all():
         state = np.flatnonzero(~ending)[0]
-        raise ValueError(f"at gamma = 1 this policy's values are not defined: from state {state} an episode under it never ends")
+        raise ValueError(f"at gamma = 1 this policy's values are not defined: from state {state} no episode ever ends")
 
 
 def _follow_mixed_policy(mdp, weights, gamma):
@@ -201,26 +225,45 @@ def _evaluate_actions(mdp, policy, gamma, values):
 
 
 def _settle(followed, values, gamma):
-    """Sweep one policy's equations, there and back, until the values are within 1e-12 of the largest or of rounding."""
+    """Sweep one policy's equations, there and back, to within 1e-12 of the largest value, or to rounding."""
     from course_lib import kernels
 
-    sweeps, change = 0, np.inf
+    sweeps, change = 1, kernels.sweep_policy(*followed, values, False)
+    most_sweeps = _enough_sweeps(change, gamma, 1e-12)
     while not _settled(change, values, gamma, 1e-12 * max(1.0, np.abs(values).max())):
-        _refuse_endless(sweeps, gamma)
+        if sweeps == most_sweeps:
+            _refuse_endless(gamma)
+            break
         change = kernels.sweep_policy(*followed, values, sweeps % 2 == 1)
         sweeps += 1
+    _refuse_overflow(values)
 
 
 def _bound(change, gamma):
-    """How far from the fixed point values may be that moved by `change` in their last sweep: change gamma / (1 - gamma)."""
+    """How far values may be from the fixed point after a last sweep that moved them by `change`."""
     return float(change * gamma / (1 - gamma)) if gamma < 1 else np.inf
 
 
 def _settled(change, values, gamma, tolerance):
-    rounding = 4 * np.finfo(float).eps * np.abs(values).max()
-    return change <= rounding or (change if gamma == 1 else _bound(change, gamma)) <= tolerance
+    if (change if gamma == 1 else _bound(change, gamma)) <= tolerance:
+        return True
+    return change <= 4 * np.finfo(float).eps * np.abs(values).max()
 
 
-def _refuse_endless(sweeps, gamma):
-    if gamma == 1 and sweeps >= _MOST_SWEEPS:
-        raise ValueError(f"at gamma = 1 the values do not settle in {_MOST_SWEEPS} sweeps: some state never reaches an end")
+def _enough_sweeps(change, gamma, tolerance):
+    """By when a contraction that begins with `change` has settled, with time to spare; later only rounding moves."""
+    if gamma in (0, 1) or not 0 < change < np.inf:
+        return _MOST_SWEEPS
+    return 100 + 3 * max(0, int(np.log(tolerance * (1 - gamma) / change) / np.log(gamma)))
+
+
+def _refuse_overflow(values):
+    if not np.isfinite(values).all():
+        raise ValueError("the values grow beyond what a number can hold: the rewards are too large")
+
+
+def _refuse_endless(gamma):
+    if gamma == 1:
+        raise ValueError(
+            f"at gamma = 1 the values do not settle in {_MOST_SWEEPS} sweeps: some state never reaches an end"
+        )

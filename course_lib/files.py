@@ -29,7 +29,7 @@ def save_arrays(path, arrays, settings, *, kind):
 
 
 def load_arrays(path, *, kind):
-    """(arrays, settings) as `save_arrays` wrote them; `ValueError` for a file that is damaged, cut short or of another kind.
+    """(arrays, settings) as `save_arrays` wrote them; `ValueError` for a damaged file or one of another kind.
 
     Nothing is unpickled or run. A file that is not there raises `FileNotFoundError`.
     """
@@ -44,7 +44,9 @@ def load_arrays(path, *, kind):
             arrays = {name: file.get_tensor(name) for name in file.keys()} if ours else {}  # noqa: SIM118 (not a dict)
         settings = json.loads(metadata.get("settings", "null"))
     except (SafetensorError, OSError, ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is not a saved {kind}: the file is damaged, cut short or of another format ({error})") from None
+        raise ValueError(
+            f"{path} is not a saved {kind}: the file is damaged, cut short or of another format ({error})"
+        ) from None
     if not ours:
         raise ValueError(f"{path} is not a saved {kind}: it holds {metadata.get('course_lib', 'something else')!r}")
     return arrays, settings

@@ -55,5 +55,8 @@ class Rollout:
         return len(self.actions)
 
     def discounted_return(self, gamma):
-        """r_0 + gamma r_1 + gamma^2 r_2 + … of the walk (Sutton & Barto, 2nd ed., eq. 3.8). `ValueError` for gamma outside [0, 1]."""
+        """r_0 + gamma r_1 + gamma^2 r_2 + … of the walk (Sutton & Barto, 2nd ed., eq. 3.8).
+
+        `ValueError` for a gamma outside [0, 1].
+        """
         return float(self.rewards @ fraction("gamma", gamma) ** np.arange(len(self.rewards)))

@@ -9,7 +9,7 @@ from numba import njit
 
 
 def compiled(function):
-    """Compile at the first call, without the interpreter's lock; keep the result on disk where there is a place for it."""
+    """Compile at the first call, without the interpreter's lock; keep the result on disk where it can be written."""
     try:
         return njit(cache=True, nogil=True, error_model="numpy")(function)
     except RuntimeError:  # neither the package's folder nor the user's can be written to
@@ -22,6 +22,12 @@ def inlined(function):
 
 
 ZERO, ONE, NONE = np.uint32(0), np.uint32(1), np.uint32(2**32 - 1)
+
+
+@inlined
+def sizes(world):
+    """How many states, actions and outcomes."""
+    return np.uint64(world[0].shape[0]), np.uint64(world[0].shape[1]), np.uint64(world[0].shape[2])
 
 
 @inlined
@@ -83,11 +89,11 @@ def q_learning(
     carry[4] holds what a later call goes on from: episode, step in it (0: none under way), state, return so far.
     alpha_power is None where the rate is constant, so that the power is compiled away.
 
-    All tables are flat here: row is the entry of a state's first action; entry, of a
-    (state, action); outcome. Draws and the search for the best action stand in the loop and not in functions of their
-    own, since handing a generator on takes longer than drawing from it, and the search in a function loses its branches.
+    All tables are flat here: a state is known by its row, the entry of its first action. Draws and the search for the
+    best action stand in the loop and not in functions of their own: handing a generator on takes longer than drawing
+    from it, and the search, made a function, is compiled without branches, which here are cheap, since foreseen.
     """
-    num_actions, num_outcomes = np.uint64(q_table.shape[1]), np.uint64(world[1].shape[2])
+    _, num_actions, num_outcomes = sizes(world)
     next_states, probability, rewards, terminal = flat(world)
     q_table, visits, start = q_table.reshape(-1), visits.reshape(-1), start.reshape(-1)
     certain = num_outcomes == 1 and not draw_always
@@ -190,10 +196,10 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
     A state that no move leaves is worth what it is worth, at once. Returns how many states are queued, and the least
     that any other state pays at best.
     """
-    num_actions = np.uint32(world[0].shape[1])
+    num_states, num_actions, _ = sizes(world)
     next_state, _, reward, terminal = flat(world)
     tail, least = 0, np.inf
-    for s in range(np.uint32(len(values))):
+    for s in range(num_states):
         best, alone, pays, stuck = -np.inf, -np.inf, -np.inf, gamma < 1.0
         for move in range(s * num_actions, s * num_actions + num_actions):
             worth = reward[move]
@@ -212,7 +218,7 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
         if not stuck:
             least = min(least, pays)
         values[s] = alone if stuck else max(best, guess)
-        if values[s] > guess + 1e-15 * abs(guess):
+        if stuck or best > guess + 1e-15 * abs(guess):
             queue[tail], queued[s] = s, True
             tail += 1
     return tail, least
@@ -221,7 +227,7 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
 @compiled
 def sweep_best(world, gamma, values, policy, backwards):
     """Back up every state in place, first to last or last to first; store the best actions; the largest change."""
-    num_states, num_actions, num_outcomes = np.uint64(len(values)), np.uint64(world[0].shape[1]), np.uint64(world[0].shape[2])
+    num_states, num_actions, num_outcomes = sizes(world)
     tables, change = flat(world), 0.0
     for i in range(num_states):
         s = num_states - ONE - i if backwards else i
@@ -277,9 +283,9 @@ def sweep_policy(gain, weight, following, values, backwards):
 @compiled
 def all_action_values(world, gamma, values, q, policy):
     """Write q[s, a] and its best actions, raise `values` to max_a q[s, a]; the largest change that made."""
-    num_actions, num_outcomes = np.uint64(world[0].shape[1]), np.uint64(world[0].shape[2])
+    num_states, num_actions, num_outcomes = sizes(world)
     tables, q, change = flat(world), q.reshape(-1), 0.0
-    for s in range(np.uint64(len(values))):
+    for s in range(num_states):
         row = s * num_actions
         chosen = row
         for move in range(row, row + num_actions):
@@ -288,6 +294,6 @@ def all_action_values(world, gamma, values, q, policy):
                 chosen = move
         policy[s] = chosen - row
         change = max(change, abs(q[chosen] - values[s]))
-    for s in range(np.uint64(len(values))):
+    for s in range(num_states):
         values[s] = q[s * num_actions + np.uint64(policy[s])]
     return change

@@ -46,7 +46,8 @@ class Maze(gymnasium.Env):
     state = row * columns + column. A move into an open cell pays `step_reward`; into a goal `goal_reward`, and the
     episode terminates. The edge of the grid keeps the mouse where it is and pays `step_reward`. A wall keeps it where
     it is, pays `wall_reward`, and terminates the episode if `wall_ends_episode`. With probability `slip` a move goes
-    to one of its two sides instead, half each. `cell_rewards`, float[rows, columns], is added to a move that enters a cell.
+    to one of its two sides instead, half each. `cell_rewards`, float[rows, columns], is added to a move that enters a
+    cell.
 
     `info["bumped"]` says whether a wall stopped the last move. Time limits are Gymnasium's `TimeLimit` wrapper.
     Raises `ValueError` for a ragged or empty grid, an unknown tile, no start or several, no goal or one that no path
@@ -116,7 +117,7 @@ class Maze(gymnasium.Env):
         """The (row, column) of a state."""
         return divmod(whole_number("state", state, below=self.grid.size), self.columns)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, *, seed=None, options=None):  # noqa: ARG002 (Gymnasium's signature)
         super().reset(seed=seed)
         self._state = self.start
         return self._state, {"bumped": False}
@@ -159,10 +160,10 @@ class Maze(gymnasium.Env):
 
     @cached_property
     def _cell_ahead(self):
-        """int[S, 4]: the cell that way, the cell itself at the edge."""
-        cells = np.indices(self.grid.shape).reshape(2, -1).T[:, None] + MOVES
-        rows = np.clip(cells[..., 0], 0, self.rows - 1)
-        return (rows * self.columns + np.clip(cells[..., 1], 0, self.columns - 1)).astype(np.int32)
+        """int32[S, 4]: the cell that way, the cell itself at the edge."""
+        cells = np.pad(np.arange(self.grid.size, dtype=np.int32).reshape(self.grid.shape), 1, mode="edge")
+        ways = (cells[:-2, 1:-1], cells[2:, 1:-1], cells[1:-1, :-2], cells[1:-1, 2:])  # in the order of Action
+        return np.stack(ways, axis=-1).reshape(-1, len(Action))
 
     @property
     def _moves(self):
@@ -181,7 +182,9 @@ class Maze(gymnasium.Env):
     def render(self):
         """The grid with the mouse in it: text ('ansi') or uint8[rows * 32, columns * 32, 3] ('rgb_array')."""
         if self.render_mode is None:
-            gymnasium.logger.warn("render() draws nothing without a render_mode: Maze(render_mode='ansi') or 'rgb_array'")
+            gymnasium.logger.warn(
+                "render() draws nothing without a render_mode: Maze(render_mode='ansi') or 'rgb_array'"
+            )
             return None
         tiles = self.grid.copy()
         if self._state is not None:

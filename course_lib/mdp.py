@@ -35,9 +35,11 @@ class MDP:
         if not np.issubdtype(raw_next.dtype, np.integer):
             raise ValueError(f"next_state must hold whole numbers, got dtype {raw_next.dtype}")
         if raw_next.min() < 0 or raw_next.max() >= raw_next.shape[0]:
-            raise ValueError(f"next_state must be from 0 to {raw_next.shape[0] - 1}, got {raw_next.min()} to {raw_next.max()}")
+            raise ValueError(
+                f"next_state must be from 0 to {raw_next.shape[0] - 1}, got {raw_next.min()} to {raw_next.max()}"
+            )
         for name, dtype in (("next_state", np.int32), ("probability", float), ("reward", float), ("terminal", bool)):
-            array = np.array(getattr(self, name), dtype=dtype, order="C")  # a copy: the caller may go on writing in theirs
+            array = np.array(getattr(self, name), dtype=dtype, order="C")  # a copy: the caller may go on writing
             if array.shape != raw_next.shape:
                 raise ValueError(f"{name} must have next_state's shape {raw_next.shape}, got {array.shape}")
             array.flags.writeable = False
@@ -50,7 +52,9 @@ class MDP:
             raise ValueError(f"reward must be finite, got {self.reward[s, a, k]} in state {s}, action {a}")
         if not (self.probability >= 0).all():  # NaN compares false, so it is caught here too
             s, a, k = np.argwhere(~(self.probability >= 0))[0]
-            raise ValueError(f"probability must not be negative or NaN, got {self.probability[s, a, k]} in state {s}, action {a}")
+            raise ValueError(
+                f"probability must not be negative or NaN, got {self.probability[s, a, k]} in state {s}, action {a}"
+            )
         total = self.probability.sum(axis=2)
         if not (np.abs(total - 1) <= 1e-9).all():
             s, a = np.argwhere(~(np.abs(total - 1) <= 1e-9))[0]
@@ -77,17 +81,23 @@ class MDP:
         if table is None:
             raise ValueError(f"{world} has no table of transitions (an attribute P or mdp), so it cannot be planned in")
         try:
-            return cls(*_arrays_of(table))
-        except (LookupError, TypeError, OverflowError) as error:
-            wanted = "P[s][a] = [(probability, next state, reward, done), …]"
-            raise ValueError(f"the table P of {world} is not of the form {wanted}: {type(error).__name__} {error}") from None
+            arrays = _arrays_of(table)
+        except (LookupError, TypeError, ValueError, OverflowError) as error:
+            form = "P[s][a] = [(probability, next state, reward, done), …]"
+            raise ValueError(
+                f"the table P of {world} is not of the form {form}: {type(error).__name__} {error}"
+            ) from None
+        return cls(*arrays)
 
     @cached_property
     def T(self):
         """P(s' | s, a), float64[S, A, S]: the textbook's transition array, an end leading to the state it ends in."""
         entries = self.num_states**2 * self.num_actions
         if entries > _LARGEST_DENSE:
-            raise ValueError(f"T would need {entries * 8 / 2**30:.0f} GiB for {self.num_states} states; use next_state and probability")
+            raise ValueError(
+                f"T would need {entries * 8 / 2**30:.0f} GiB for {self.num_states} states:"
+                " use next_state and probability"
+            )
         T = np.zeros((self.num_states, self.num_actions, self.num_states))
         s, a, _ = np.indices(self.next_state.shape, sparse=True)
         np.add.at(T, (s, a, self.next_state), self.probability)

@@ -54,18 +54,19 @@ class QAgent:
         env.reset(seed=int(self.rng.integers(2**31)))
 
     def act(self, state):
-        """An action for `state`: random with probability epsilon, else one of the best. `ValueError` if out of range."""
+        """An action for `state`: random with probability epsilon, else a best one. `ValueError` if out of range."""
         row = whole_number("state", state, at_least=self._first_state, below=self._first_state + len(self.q_table))
         return epsilon_greedy(self.q_table[row - self._first_state], self.epsilon, self.rng) + self._first_action
 
     def train(self, num_episodes=1000, *, max_steps=1000, progress=False):
-        """Play `num_episodes` more episodes of at most `max_steps` steps, learning from every step; returns their `History`.
+        """Play `num_episodes` more episodes of at most `max_steps` steps, learning from each; returns their `History`.
 
         Interrupted, the agent keeps what it has learned, and `history` the episodes it has finished.
         `progress=True` shows a bar.
         """
         records = _Records(whole_number("num_episodes", num_episodes))
         max_steps = whole_number("max_steps", max_steps, at_least=1)
+        self._check_tables()
         world = _TableWorld.of(self.env)
         bar = _bar(num_episodes) if progress else None
         try:
@@ -85,6 +86,7 @@ class QAgent:
     def test(self, max_steps=1000):
         """One greedy walk of at most `max_steps` steps, learning nothing; returns the `Rollout`."""
         max_steps = whole_number("max_steps", max_steps, at_least=1)
+        self._check_tables()
         state, _ = self.env.reset()
         states, actions, rewards = [int(state)], [], []
         terminated = truncated = False
@@ -94,9 +96,7 @@ class QAgent:
             state, reward, terminated, truncated, _ = self.env.step(actions[-1])
             states.append(int(state))
             rewards.append(float(reward))
-        return Rollout(
-            np.array(states), np.array(actions), np.array(rewards), bool(terminated), not terminated
-        )
+        return Rollout(np.array(states), np.array(actions), np.array(rewards), bool(terminated), not terminated)
 
     def save(self, path):
         """Write the agent to `path`: table, settings and the state of its generators (safetensors, no pickle)."""
@@ -121,15 +121,23 @@ class QAgent:
             rng, env_rng = _generator(settings["rng"]), _generator(settings["env_rng"])
             agent_settings = {name: settings["agent"][name] for name in _SETTINGS}
         except (KeyError, TypeError, ValueError, OverflowError) as error:
-            raise ValueError(f"{path} is not a saved QAgent: something is missing or of another form ({error!r})") from None
-        if q_table.shape != shape or visits.shape != shape:
+            raise ValueError(f"{path} is not a saved QAgent: missing or of another form is {error!r}") from None
+        if visits.shape != q_table.shape or not np.isfinite(q_table).all():
+            raise ValueError(f"{path} is not a saved QAgent: its table holds NaN, or its visits have another shape")
+        if q_table.shape != shape:
             raise ValueError(f"{path} holds a table of shape {q_table.shape}, this environment needs {shape}")
-        if not np.isfinite(q_table).all():
-            raise ValueError(f"{path} is not a saved QAgent: its table holds NaN or infinity")
         agent = cls(env, **agent_settings)
         agent.q_table, agent.visits, agent.rng = q_table, visits, rng
         env.unwrapped.np_random.bit_generator.state = env_rng.bit_generator.state
         return agent
+
+    def _check_tables(self):
+        """`q_table`, `visits` and `env` may have been replaced: the compiled loop needs them to fit together."""
+        shape = _table_shape(self.env)
+        for name, dtype in (("q_table", float), ("visits", np.int64)):
+            if np.shape(getattr(self, name)) != shape:
+                raise ValueError(f"{name} must have shape {shape} for this env, got {np.shape(getattr(self, name))}")
+            setattr(self, name, np.ascontiguousarray(getattr(self, name), dtype=dtype))
 
     @property
     def _first_state(self):
@@ -233,7 +241,8 @@ class _TableWorld:
         if _is_maze(layer):
             return cls(env, layer.mdp, np.full((1, 1, 1), float(layer.start)), False, time_limit)
         if _is_toy_text(layer):
-            return cls(env, MDP.from_gymnasium(layer), np.array(layer.initial_state_distrib, float)[None, None], True, time_limit)
+            start = np.append(layer.initial_state_distrib, 0.0)  # never a single entry, which would mean a state
+            return cls(env, MDP.from_gymnasium(layer), start[None, None], True, time_limit)
         return None
 
     def play(self, agent, records, max_steps):

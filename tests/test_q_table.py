@@ -25,11 +25,13 @@ WORLDS = {
     "wide random maze": lambda: Maze.random(3, 7, slip=0.1, step_reward=-0.01, wall_ends_episode=False, seed=4),
     "high random maze": lambda: Maze.random(6, 2, wall_reward=-0.3, cell_rewards=np.linspace(-1, 1, 12).reshape(6, 2)),
     "registered maze": lambda: gymnasium.make("course_lib/Maze-v0", slip=0.1, max_episode_steps=11),
-    "maze with two time limits": lambda: TimeLimit(TimeLimit(Maze(slip=0.1), 9), 13),
+    "maze with a tight limit in a loose one": lambda: TimeLimit(TimeLimit(Maze(slip=0.1), 9), 13),
+    "maze with a loose limit in a tight one": lambda: TimeLimit(TimeLimit(Maze(slip=0.1), 13), 9),
     "lake": lambda: gymnasium.make("FrozenLake-v1"),
     "lake without slipping": lambda: gymnasium.make("FrozenLake-v1", is_slippery=False),
     "large lake": lambda: gymnasium.make("FrozenLake-v1", map_name="8x8"),
     "lake without a time limit": lambda: FrozenLakeEnv(),
+    "lake of one cell": lambda: FrozenLakeEnv(desc=[["S"]]),
     "taxi": lambda: gymnasium.make("Taxi-v4"),
     "taxi in the rain": lambda: gymnasium.make("Taxi-v4", is_rainy=True),
     "cliff": lambda: gymnasium.make("CliffWalking-v1"),
@@ -262,10 +264,11 @@ class OneRoom(gymnasium.Env):
         self.end = terminated, truncated
 
     def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+        super().reset(seed=seed, options=options)
         return 0, {}
 
     def step(self, action):
+        assert action == 0
         return 0, 1.0, *self.end, {}
 
 
@@ -314,17 +317,25 @@ def test_a_goal_in_the_very_last_step_is_a_termination():
 def test_the_lessons_numbers(seed):
     agent = QAgent(Maze(wall_reward=0.0, wall_ends_episode=False), gamma=0.9, alpha=0.1, epsilon=0.1, seed=seed)
     agent.train(20_000)
-    path = agent.test().states[:-1]  # there are two paths of six steps, and an agent settles on one of them
+    path = agent.test().states[:-1]  # several paths have six steps, and an agent settles on one of them
     assert agent.q_table[path].max(axis=1).round(5).tolist() == [0.59049, 0.6561, 0.729, 0.81, 0.9, 1.0]
 
 
 def test_the_lessons_path():
-    agent = QAgent(Maze(wall_reward=0.0, wall_ends_episode=False), seed=1)
-    agent.train(20_000)
+    agent = QAgent(Maze(wall_reward=0.0, wall_ends_episode=False), seed=3)
+    agent.train(200_000)
+    path = [0, 1, 5, 9, 13, 14]  # right, down, down, down, right, right
+    assert agent.q_table[path].max(axis=1).round(5).tolist() == [0.59049, 0.6561, 0.729, 0.81, 0.9, 1.0]
+
+
+def test_a_walk_tells_where_it_went_what_it_did_and_what_it_got():
+    agent = QAgent(Maze(step_reward=-0.5))
+    for state, action in [(0, RIGHT), (1, DOWN), (5, DOWN), (9, DOWN), (13, RIGHT), (14, RIGHT)]:
+        agent.q_table[state, action] = 1
     walk = agent.test()
     assert walk.states.tolist() == [0, 1, 5, 9, 13, 14, 15]
     assert walk.actions.tolist() == [RIGHT, DOWN, DOWN, DOWN, RIGHT, RIGHT]
-    assert walk.rewards.tolist() == [0, 0, 0, 0, 0, 1]
+    assert walk.rewards.tolist() == [-0.5] * 5 + [1]
     assert (walk.terminated, walk.truncated) == (True, False)
 
 
@@ -447,7 +458,7 @@ class Corridor(gymnasium.Env):
         self.action_space = Discrete(2, start=first_action)
 
     def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
+        super().reset(seed=seed, options=options)
         self.place = 0
         return int(self.observation_space.start), {}
 
@@ -591,6 +602,17 @@ def test_an_agent_that_has_not_trained_has_an_empty_history_and_an_empty_table()
     assert len(agent.history) == 0
     assert (agent.q_table.shape, agent.q_table.dtype, agent.q_table.any()) == ((16, 4), np.float64, False)
     assert (agent.visits.shape, agent.visits.dtype, agent.visits.any()) == ((16, 4), np.int64, False)
+
+
+@pytest.mark.parametrize("wrap", [lambda env: env, RecordEpisodeStatistics], ids=["compiled", "plain"])
+@pytest.mark.parametrize("kind", [lambda table: table.tolist(), np.asfortranarray, lambda table: table.astype(int)])
+def test_a_table_put_in_by_hand_may_be_of_any_kind(kind, wrap):
+    table = np.full((16, 4), 2.0)
+    usual, other = (QAgent(wrap(Maze(slip=0.1))) for _ in range(2))
+    usual.q_table, other.q_table = table.copy(), kind(table)
+    usual.train(20)
+    other.train(20)
+    assert everything(other) == everything(usual)
 
 
 def test_agents_with_settings_of_their_own_do_not_disturb_each_other():

@@ -26,7 +26,7 @@ def maze(world, *, mouse=None, path=None, title=""):
 
 
 def values(world, state_values, *, q=None, policy=None, title="", label="value of the cell", span=None, signed=False):
-    """A heat map of one number a state, and arrows: for every best action of `q`, float[S, A], or for a `policy`, int[S].
+    """A heat map of one number a state, and arrows: for the best actions of `q`, float[S, A], or a `policy`, int[S].
 
     Cells that are NaN stay empty. span: (lowest, highest) of the colours, so that pictures can be compared; signed:
     zero in the middle of the colours, for differences.
@@ -244,7 +244,7 @@ def best_actions(q_row):
 
 
 def _draw_best_actions(axes, world, q, lift):
-    """An arrow for every best action of every cell that acts; none where all are alike, since nothing is known there."""
+    """An arrow for every best action of a cell; none where all are alike, since nothing is known there."""
     pairs = [(s, a) for s in _acting_states(world) for a in best_actions(q[s]) if len(best_actions(q[s])) < len(Action)]
     if pairs:
         _draw_arrow(axes, world, *zip(*pairs, strict=True), lift=lift)

@@ -1,0 +1,1 @@
+"""Lessons in a real JupyterLab, looked at through a real browser."""

@@ -144,7 +144,7 @@ def policy_iteration(mdp, gamma):
 
 def _check_mdp(mdp):
     if not isinstance(mdp, MDP):
-        raise ValueError(f"an MDP is needed, got {mdp!r}: take maze.mdp, or MDP.from_gymnasium(env)")
+        raise ValueError(f"an MDP is needed, got a {type(mdp).__name__}: take maze.mdp, or MDP.from_gymnasium(env)")
 
 
 def _world(mdp):

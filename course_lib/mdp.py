@@ -8,7 +8,7 @@ import numpy as np
 _LARGEST_DENSE = 2**27  # entries of a dense T, 1 GiB: more is not for looking at
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MDP:
     """A finite Markov decision process (Sutton & Barto, 2nd ed., section 3.1), as a list of outcomes.
 
@@ -59,6 +59,11 @@ class MDP:
         if not (np.abs(total - 1) <= 1e-9).all():
             s, a = np.argwhere(~(np.abs(total - 1) <= 1e-9))[0]
             raise ValueError(f"probabilities must sum to 1, got {total[s, a]:.12g} in state {s}, action {a}")
+
+    def __repr__(self):
+        return (
+            f"MDP({self.num_states} states, {self.num_actions} actions, up to {self.next_state.shape[2]} outcomes each)"
+        )
 
     @property
     def num_states(self):

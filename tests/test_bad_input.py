@@ -184,8 +184,8 @@ BAD = [
     (lambda _: MDP.from_gymnasium(table_env([[[]]])), "next_state must have shape (states, actions, outcomes)"),
     (lambda _: Maze.random(100, 100).mdp.T, "T would need 3 GiB for 10000 states"),
     # planning
-    (lambda w: value_iteration(w, 0.9), "an MDP is needed, got <Maze"),
-    (lambda w: policy_iteration(w, 0.9), "take maze.mdp, or MDP.from_gymnasium(env)"),
+    (lambda w: value_iteration(w.maze, 0.9), "an MDP is needed, got a Maze"),
+    (lambda w: policy_iteration(w.maze, 0.9), "take maze.mdp, or MDP.from_gymnasium(env)"),
     (lambda w: value_iteration(w.mdp, 1.01), "gamma must be in [0, 1], got 1.01"),
     (lambda w: value_iteration(w.mdp, -0.1), "gamma must be in [0, 1], got -0.1"),
     (lambda w: value_iteration(w.mdp, NAN), "gamma must be a finite number, got nan"),

@@ -8,7 +8,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from .lab import LESSONS, NOTEBOOKS, THEMES, WIDTHS, find_browser, jupyter_lab, open_browser, open_lab
+from .lab import BROWSERS, LESSONS, NOTEBOOKS, THEMES, WIDTHS, find_browser, jupyter_lab, open_browser, open_lab
 
 
 def name_in(server, path):
@@ -36,7 +36,8 @@ def take(notebook, folder):
 def main(folder, *paths):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    with jupyter_lab() as server, open_browser(find_browser()) as browser, open_lab(browser, server) as lab:
+    program = find_browser() or sys.exit(f"needs one of {', '.join(BROWSERS)}")
+    with jupyter_lab() as server, open_browser(program) as browser, open_lab(browser, server) as lab:
         for path in paths or LESSONS:
             with lab.open(name_in(server, path)) as notebook:
                 written, complaints = take(notebook, folder)

@@ -116,9 +116,10 @@ def q_learning(
                         ties += 1
                 if ties > 1:
                     entry = nth_best(q_table, entry, int(rng.random() * ties))
-            outcome = entry * num_outcomes
-            if not certain:
-                outcome = outcome_drawn(probability, outcome, num_outcomes, world_rng.random())
+            if certain:
+                outcome = entry
+            else:
+                outcome = outcome_drawn(probability, entry * num_outcomes, num_outcomes, world_rng.random())
             reward, next_row, ended = rewards[outcome], next_states[outcome] * num_actions, terminal[outcome]
             visits[entry] += 1
             if alpha_power is None:

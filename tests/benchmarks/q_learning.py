@@ -157,7 +157,7 @@ def check_original(num_episodes):
     return theirs.maze.steps
 
 
-def main(num_episodes=300_000, original_episodes=1000, repeats=15):
+def main(num_episodes=100_000, original_episodes=1000, repeats=25):
     maze = free_bumps()
     libraries = c_libraries() if compiler() else {}
     steps = dict.fromkeys([*libraries, TRAIN, KERNEL], check_c(libraries, num_episodes))

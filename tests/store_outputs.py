@@ -10,15 +10,17 @@ from pathlib import Path
 import nbformat
 from nbclient import NotebookClient
 
+_KEPT = ("nbgrader", "tags", "deletable", "editable")
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 
 
 def tidy(notebook):
     """Only what a reader needs: no editor's settings, no times, no machine."""
     kernel = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
-    notebook.metadata = {"kernelspec": kernel, "language_info": {"name": "python"}}
+    course = {"course": notebook.metadata.course} if "course" in notebook.metadata else {}  # what a template is made of
+    notebook.metadata = {"kernelspec": kernel, "language_info": {"name": "python"}, **course}
     for cell in notebook.cells:
-        cell.metadata = {key: value for key, value in cell.metadata.items() if key in ("nbgrader", "tags")}
+        cell.metadata = {key: value for key, value in cell.metadata.items() if key in _KEPT}
     return notebook
 
 
@@ -32,7 +34,7 @@ def store(path):
 
 
 if __name__ == "__main__":
-    chosen = [Path(name).resolve() for name in sys.argv[1:]] or sorted(NOTEBOOKS.glob("*.ipynb"))
+    chosen = [Path(name).resolve() for name in sys.argv[1:]] or sorted(NOTEBOOKS.rglob("[0-9]*.ipynb"))
     for notebook_path in chosen:
         store(notebook_path)
         print(f"stored {notebook_path.name}")

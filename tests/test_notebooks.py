@@ -12,10 +12,12 @@ import nbformat
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.ipynb"))
+NOTEBOOKS = ROOT / "notebooks"
+LESSONS = sorted(NOTEBOOKS.glob("[0-9][0-9]_*.ipynb"))
+PAGES = [*LESSONS, *sorted(NOTEBOOKS.glob("solutions/[0-9][0-9]_*.ipynb"))]
 
 
-@pytest.fixture(params=PAGES, ids=lambda path: path.stem)
+@pytest.fixture(params=PAGES, ids=lambda path: str(path.relative_to(NOTEBOOKS)))
 def path(request):
     return request.param
 
@@ -30,7 +32,7 @@ def code_cells(page):
 
 
 def code_lines(cell):
-    return [line for line in cell.source.splitlines() if line.strip()]
+    return [line for line in cell.source.splitlines() if line.strip() and not line.strip().startswith("### ")]
 
 
 def prose(page):
@@ -47,7 +49,8 @@ def html_outputs(page):
 
 
 def test_there_are_lessons():
-    assert [path.stem for path in PAGES[:4]] == ["00_start_here", "01_mdp", "02_bellman", "03_q_table"]
+    names = ["00_start_here", "01_mdp", "02_bellman", "03_q_table", "04_homework_1"]
+    assert [path.stem for path in LESSONS[:5]] == names
 
 
 def test_file_is_valid_and_tidy(page, path):

@@ -1,0 +1,165 @@
+"""Task 2, a memory of cells: the mouse keeps to fresh ones, and is not lost in a dead end."""
+
+from course_lib.checks.check import Check, NotYet, Trial
+from course_lib.checks.homework_1.learning import check_learned, check_steps, table_after
+from course_lib.checks.homework_1.mazes import (
+    blank,
+    bumpy_mazes,
+    corridor,
+    labyrinth,
+    random_table,
+    table_that_turns_back,
+)
+from course_lib.checks.homework_1.memory import Choices
+from course_lib.checks.homework_1.walks import (
+    check_arrived,
+    check_not_too_long,
+    check_one_whole_episode,
+    explain_fault,
+    nothing_was_left,
+    play,
+)
+from course_lib.checks.learner import Fault, Kind, Seed
+from course_lib.checks.worlds import Watched
+from course_lib.maze import Maze
+
+_NOT_EMPTIED = (
+    "your mouse's memory is not emptied between episodes: make the set inside the function, "
+    "not outside it and not as a default argument."
+)
+_ROWS_FOR_COLUMNS = (
+    "your mouse takes one cell for another where a maze is not square: `state = row * columns + column`, "
+    "which `maze.state(row, column)` works out."
+)
+
+
+def _leaves_visited_cells(call, seed):
+    _check_same_again(call, seed)
+    square = _choices(call, _square_mazes(seed), seed)
+    try:
+        oblong = _choices(call, _oblong_mazes(seed), seed)
+    except Fault as fault:
+        if nothing_was_left(fault) and not square.returns:
+            raise NotYet(f"in a maze that is not square: {fault}", _ROWS_FOR_COLUMNS) from None
+        raise
+    oblong.say(_ROWS_FOR_COLUMNS if oblong.often and not square.returns else "")
+
+
+def _check_same_again(call, seed):
+    """The same call several times: a mouse that does well the first time, and not again, has kept its memory."""
+    maze = bumpy_mazes(seed)[0]
+    _choices(call, [maze], seed).say()
+    for _ in range(5):
+        try:
+            _choices(call, [maze], seed).say()
+        except (NotYet, Fault) as finding:
+            call.kept["memory stays"] = True
+            came = f"the first episode went well; in another one that began like it: {finding}"
+            raise NotYet(came, _NOT_EMPTIED, getattr(finding, "map", "")) from None
+
+
+def _square_mazes(seed):
+    mazes = [maze for maze in bumpy_mazes(seed) if maze.rows == maze.columns]
+    return mazes + [Maze.random(8, 8, walls=0.0, wall_ends_episode=False)] * 4
+
+
+def _oblong_mazes(seed):
+    shapes = ((5, 7), (7, 5), (4, 9))
+    return [Maze.random(*shape, walls=0.1, seed=seed, wall_ends_episode=False) for shape in shapes]
+
+
+def _choices(call, mazes, seed):
+    """What the mouse chose before the first dead end of each episode, without a table and with one that turns back."""
+    choices = Choices(None, [])
+    for i, maze in enumerate(mazes):
+        for table in (blank(maze), table_that_turns_back(maze, seed + i)):
+            world, _ = play(call, maze, table, seed + i, remembers=True)
+            check_one_whole_episode(world, remembers=True)
+            choices += Choices(maze, world.episodes, only_before_dead_ends=True)
+    return choices
+
+
+def _gets_out_of_dead_ends(call, seed):
+    for i in range(4):
+        maze, table = corridor(4 * seed + i)
+        world, _ = play(call, maze, table, seed + i, remembers=True)
+        check_arrived(world)
+    for i, rooms in enumerate((3, 4, 5)):
+        maze = labyrinth(rooms, 10 * seed + i)
+        world, _ = play(call, maze, random_table(maze, seed + i), seed + i, remembers=True, time_limit=5000)
+        check_arrived(world, lesson_limit_will_do=True)
+
+
+def _remembers_after_a_dead_end(call, seed):
+    for i in range(8):
+        maze = labyrinth(4, 100 + 10 * seed + i)
+        world, _ = play(call, maze, random_table(maze, seed + i), seed + i, remembers=True, time_limit=5000)
+        check_arrived(world, lesson_limit_will_do=True)
+        before, all_choices = (Choices(maze, world.episodes, only_before_dead_ends=only) for only in (True, False))
+        before.say()
+        all_choices.say(
+            "your mouse forgets cells in a dead end. It may walk back over those that it knows, but must still know "
+            "them when it comes to a fork."
+        )
+
+
+def _begins_each_episode_afresh(call, seed):
+    maze = bumpy_mazes(seed)[0]
+    world, table = Watched(maze), blank(maze)
+    for i in range(10):
+        try:
+            returned = call(world, table, Seed(seed + i))
+        except Fault as fault:
+            if i and fault.kind is Kind.RAISED and call.kept.get("memory stays"):
+                raise NotYet(f"episode 1 went well; in episode {i + 1}: {fault}", _NOT_EMPTIED) from None
+            explain_fault(fault, world, remembers=True)
+            raise
+        check_not_too_long(world, "")
+        table = table_after(returned, table)
+    Choices(maze, world.episodes[:1]).say()
+    later = Choices(maze, world.episodes[1:])
+    later.say(_NOT_EMPTIED if call.kept.get("memory stays") else "")
+
+
+def _learns_and_counts(call, seed):
+    for i, maze in enumerate([*bumpy_mazes(seed), labyrinth(3, seed)]):
+        before = random_table(maze, seed + i)
+        world, returned = play(call, maze, before, seed + i, remembers=True)
+        check_learned(world, before, returned)
+        check_steps(world, returned)
+
+
+keeps_to_fresh_cells = Check(
+    "keeps_to_fresh_cells",
+    title="Task 2, a memory of cells",
+    usage="play_remembering(maze, q_table, rng)",
+    trials=[
+        Trial(
+            "many mazes, and tables that would rather turn back",
+            "no visited cell while a fresh one is at hand",
+            _leaves_visited_cells,
+        ),
+        Trial(
+            "dead ends, and tables that love them",
+            "back over visited cells, and on to the cheese",
+            _gets_out_of_dead_ends,
+        ),
+        Trial("forks behind a dead end", "the visited cells are still known there", _remembers_after_a_dead_end),
+        Trial("ten episodes in the same maze", "each begins with an empty memory", _begins_each_episode_afresh),
+        Trial(
+            "the table, and what it returns",
+            "as in task 1: lesson 3's update after each step, and the number of steps",
+            _learns_and_counts,
+        ),
+    ],
+    hints=[
+        "You need to know where an action leads before the mouse takes it. Row and column of a state come from "
+        "`maze.cell(state)`, and back with `maze.state(row, column)`. What lies beyond the edge is no cell.",
+        "Keep a set of visited cells, the start among them. An action is fresh if the cell ahead is in the maze, is "
+        "not in that set, and has not turned out to be a wall. Walls that you bump into may go into the set too.",
+        "Choose among the fresh actions only, for the random step as well as for the best one. If there are none "
+        "you are in a dead end.",
+        "The surest way out of a dead end is the way you came. Keep a list `path` of the cells from the start to here: "
+        "append each new cell, and in a dead end take the last one off and step back to the one before it.",
+    ],
+)

@@ -1,6 +1,6 @@
 """A learner's notebook made anew against the released one: the learner's own cells, and check cells that are ours.
 
-The released notebook is cut into sections, each ending with its check cells. A learner's cell that answers to one of
+The released notebook is cut into sections, each ending with a check cell. A learner's cell that answers to one of
 the release (by its tag, or by its text where tags were lost) says where that section is; all others stay where they
 are, as ordinary cells. Whatever happened to the check cells, each stands once, in our words, at its section's end.
 """
@@ -80,12 +80,11 @@ def _is_fixed(cell):
 
 
 def _sections(released):
-    """The number of the section that each released cell is in; a section ends with its check cells."""
-    numbers, number = [], 0
-    for before, cell in zip([None, *released], released, strict=False):
-        number += before is not None and _is_check(before) and not _is_check(cell)
-        numbers.append(number)
-    return numbers
+    """The number of the section that each released cell is in: how many check cells come before it."""
+    numbers = [0]
+    for cell in released:
+        numbers.append(numbers[-1] + _is_check(cell))
+    return numbers[:-1]
 
 
 # --- which cell is which ----------------------------------------------------------------------------------------------

@@ -17,8 +17,9 @@ from course_lib.classroom.rebuild import Cell, rebuild, tags_of
 LARGEST_FILE = 128_000_000
 # In JSON every list or object costs twenty times its bytes once parsed: few files need a million, hostile ones do.
 MOST_BRACKETS = 3_000_000
-# What a learner writes in a homework is a hundredth of this; more would keep the judge and the pages busy for hours.
-MOST_CELLS, MOST_TEXT = 500, 1_000_000
+# A whole homework is a tenth of this. Much more keeps the judge and the feedback page busy, above all long texts: one
+# of 100,000 opening brackets costs a Markdown renderer a minute, twice as many cost four.
+MOST_CELLS, MOST_TEXT, LONGEST_WORDS = 500, 200_000, 20_000
 # Zip files often unpack into a folder in the folder.
 DEEPEST_FOLDER, MOST_NOTEBOOKS, MOST_FILES = 3, 20, 10_000
 
@@ -210,6 +211,9 @@ def _few_enough(cells, remarks):
     """The first cells, as many as the judge is ready to run."""
     kept, length = [], 0
     for cell in cells:
+        if cell.kind != "code" and len(cell.source) > LONGEST_WORDS:
+            cell = cell._replace(source=cell.source[:LONGEST_WORDS])
+            remarks.append(f"A text of it is cut after {LONGEST_WORDS} characters.")
         length += len(cell.source)
         if len(kept) == MOST_CELLS or length > MOST_TEXT:
             remarks.append(f"It is far longer than a homework: all after its first {len(kept)} cells is left out.")

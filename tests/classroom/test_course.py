@@ -43,7 +43,7 @@ def school(nbgrader, tmp_path_factory):  # noqa: ARG001 (it decides whether to s
     hand_in(course, "tricks", HOMEWORK, with_tricks(release))
     hand_in(course, "breaker", HOMEWORK, filled_in(release, RIGHT | {"shout": "# break the judge"}))
     (submitted / "empty folder" / HOMEWORK).mkdir(parents=True)
-    (submitted / "door").symlink_to(submitted / "ann")
+    (submitted / "door").symlink_to(submitted / "files")
     (submitted / "readme.txt").write_text("No learner.")
     (submitted / ".ipynb_checkpoints").mkdir()
     files = hand_in(course, "files", HOMEWORK, right).parent
@@ -141,6 +141,8 @@ def test_data_files_come_along_and_links_and_modules_do_not(school):
     folder = school.course.folder / "autograded" / "files" / HOMEWORK
     found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert found == {NOTEBOOK, "data/maze.csv"}
+    door = school.course.folder / "autograded" / "door" / HOMEWORK
+    assert [path.name for path in door.rglob("*")] == [NOTEBOOK]
 
 
 def test_grading_again_changes_nothing(school):

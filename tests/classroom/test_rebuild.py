@@ -4,7 +4,7 @@ from copy import deepcopy
 
 import nbformat
 import pytest
-from nbformat.v4 import new_code_cell, new_markdown_cell
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_output
 
 from course_lib.classroom.rebuild import Cell, rebuild
 
@@ -264,6 +264,14 @@ def test_two_check_cells_of_a_task_stay_together():
         "task_1b",
         "about_task_2",
     ]
+
+
+def test_a_release_with_outputs_lends_none():
+    release = deepcopy(RELEASE)
+    release.cells[IMPORTS].outputs, release.cells[IMPORTS].execution_count = [new_output("stream", text="7")], 7
+    for cells in (None, [Cell("code", "import math", release.cells[IMPORTS].metadata.nbgrader)]):
+        cell = cell_of(rebuild(cells, release)[0], "imports")
+        assert (cell.outputs, cell.execution_count) == ([], None)
 
 
 def test_the_release_itself_is_never_changed(cells):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_lib.classroom import submissions
-from course_lib.classroom.submissions import LARGEST_FILE, MOST_TEXT, read_submission
+from course_lib.classroom.submissions import LARGEST_FILE, LONGEST_WORDS, MOST_TEXT, read_submission
 
 from .school import HIDDEN, NOTEBOOK, RIGHT, cell_of, filled_in, name_of, released_notebook
 
@@ -219,12 +219,21 @@ def test_bytes_that_are_no_utf_8_are_replaced_and_the_rest_is_graded(tmp_path):
 def test_a_notebook_far_too_long_is_cut(tmp_path):
     handed_in = json.loads(nbformat.writes(SOLVED))
     many = [{"cell_type": "code", "source": "x = 1", "metadata": {}}] * 100_000
-    for cells in (many, [{"cell_type": "raw", "source": "x" * (MOST_TEXT + 1), "metadata": {}}]):
+    for cells in (many, [{"cell_type": "code", "source": "x" * (MOST_TEXT + 1), "metadata": {}}]):
         put(tmp_path / NOTEBOOK, json.dumps(handed_in | {"cells": handed_in["cells"] + cells}).encode())
         submission = read(tmp_path)
         assert len(submission.notebook.cells) <= 510
         assert cell_of(submission.notebook, "double").source == RIGHT["double"]
         assert "far longer than a homework" in submission.remarks[-1]
+
+
+def test_a_long_text_is_cut_and_what_follows_it_is_kept(tmp_path):
+    handed_in = json.loads(nbformat.writes(SOLVED))
+    handed_in["cells"].insert(1, {"cell_type": "markdown", "source": "[" * (MOST_TEXT + 1), "metadata": {}})
+    put(tmp_path / NOTEBOOK, json.dumps(handed_in).encode())
+    submission = read(tmp_path)
+    assert texts(submission.notebook) == [SOLVED.cells[0].source, "[" * LONGEST_WORDS, *texts(SOLVED)[1:]]
+    assert submission.remarks == (f"A text of it is cut after {LONGEST_WORDS} characters.",)
 
 
 # --- which file it is -------------------------------------------------------------------------------------------------
@@ -315,7 +324,10 @@ def test_links_are_not_followed(tmp_path):
         folder = tmp_path / str(number)
         folder.mkdir()
         (folder / name).symlink_to(points_at)
-        assert is_untouched(read(folder))
+        submission = read(folder)
+        assert is_untouched(submission)
+        if name == NOTEBOOK:
+            assert submission.remarks[0] == f"{NOTEBOOK} is a link, and links are not followed."
     (tmp_path / "door").symlink_to(target.parent)
     submission = read_submission(tmp_path / "door", RELEASE, target.name)
     assert is_untouched(submission)

@@ -3,12 +3,14 @@
 import os
 import subprocess
 import sys
+import warnings
 
 import nbformat
 import pytest
 
 from course_lib.classroom import course as course_module
 from course_lib.classroom.course import Course, homeworks_of_the_course
+from course_lib.classroom.submissions import read_submission
 
 from .school import (
     HOMEWORK,
@@ -33,10 +35,9 @@ def test_points_given_by_hand_stay_and_new_work_counts(course, release):
         gradebook.db.commit()
     hand_in(course, "ann", HOMEWORK, filled_in(release, RIGHT))
     assert course.autograde(HOMEWORK)[0].points == {"task_1": 3, "task_2": 2}
-    hand_in(course, "ann", HOMEWORK, b"{")
-    assert course.autograde(HOMEWORK)[0].points == {"task_1": 3, "task_2": 0}
-    hand_in(course, "ann", HOMEWORK, filled_in(release, {"shout": "# break the judge"}))
-    assert course.autograde(HOMEWORK)[0].points == {"task_1": 3, "task_2": 0}
+    for worse in (filled_in(release, {"shout": "# break the judge"}), b"{"):
+        hand_in(course, "ann", HOMEWORK, worse)
+        assert course.autograde(HOMEWORK)[0].points == {"task_1": 3, "task_2": 0}
 
 
 def test_only_some_can_be_graded(course, release):
@@ -46,6 +47,29 @@ def test_only_some_can_be_graded(course, release):
     assert {row["learner"]: row["score"] for row in course.grades()} == {"ann": 0, "bob": 6}
     with pytest.raises(ValueError, match="there is no learner called nobody"):
         course.autograde(HOMEWORK, learners=["bob", "nobody"])
+
+
+def test_whatever_goes_wrong_with_one_the_others_are_graded(course, release, monkeypatch):
+    def read(folder, *arguments):
+        if folder.parent.name == "ann":
+            raise MemoryError("what nobody thought of")
+        return read_submission(folder, *arguments)
+
+    for learner in ("ann", "bob"):
+        hand_in(course, learner, HOMEWORK, filled_in(release, RIGHT))
+    assert [grade.score for grade in course.autograde(HOMEWORK)] == [6, 6]
+    monkeypatch.setattr(course_module, "read_submission", read)
+    ann, bob = course.autograde(HOMEWORK)
+    assert (ann.score, bob.score) == (0, 6)
+    assert ann.remarks == ("It could not be graded and has no points: MemoryError: what nobody thought of",)
+
+
+def test_what_sqlalchemy_warns_nbgrader_of_is_not_for_teachers(course, release):
+    from sqlalchemy.exc import SAWarning
+
+    hand_in(course, "ann", HOMEWORK, filled_in(release, RIGHT))
+    with warnings.catch_warnings(action="error", category=SAWarning):
+        assert course.autograde(HOMEWORK)[0].score == 6
 
 
 def test_a_teacher_who_stops_it_stops_it(course, release, monkeypatch):

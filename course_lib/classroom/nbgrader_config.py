@@ -49,7 +49,8 @@ c.JudgePreprocessor.total_time_limit = 300.0  # seconds for a whole submission
 c.JudgePreprocessor.memory_limit = 4_000_000_000  # bytes
 c.JudgePreprocessor.output_limit = 10_000_000  # bytes of prints
 
-# From points to pages that learners may see.
+# From points to pages that learners may see, and that a teacher opens: no script of a learner's runs in them.
+c.GenerateFeedback.exporter_class = "course_lib.classroom.pages.FeedbackPage"
 c.GenerateFeedback.preprocessors = [
     f"{theirs}.GetGrades",
     f"{ours}.HideTests",

@@ -316,10 +316,10 @@ def _mappable(norm):
 
 def _words_for(world):
     walls = [int(s) for s in np.flatnonzero(world.grid == Tile.WALL)]
-    shown = ", ".join(map(str, walls[:12])) + (" and more" if len(walls) > 12 else "")
+    shown = "walls in states " + ", ".join(map(str, walls[:12])) + (" and more" if len(walls) > 12 else "")
     goals = ", ".join(map(str, world.goals))
     size = f"{world.rows} × {world.columns} cells"
-    return f"{size}, start in state {world.start}, goal in state {goals}, walls in states {shown or 'none'}."
+    return f"{size}, start in state {world.start}, goal in state {goals}, {shown if walls else 'no walls'}."
 
 
 def _words_for_values(world, state_values, shown, q):

@@ -47,7 +47,7 @@ class _BySignal:
 
 class _ByThread:
     def __init__(self, seconds):
-        self._seconds, self._target = seconds, threading.get_ident()
+        self._seconds, self._target, self._has_rung = seconds, threading.get_ident(), False
         self._over, self._turn = threading.Event(), threading.Lock()
 
     def __enter__(self):
@@ -59,20 +59,24 @@ class _ByThread:
             with self._turn:
                 if self._over.is_set():
                     return
-                self._raise(TimeIsUp)
+                self._ring()
             self._over.wait(_AGAIN_AFTER)
 
     def __exit__(self, *_):
         try:
-            self._stop()
-        except TimeIsUp:  # it was on its way
-            self._stop()
+            self._over.set()
+            with self._turn:
+                pass  # the watcher does not ring from here on
+            if self._has_rung:
+                # A ring may still be on its way. There is room for one: send another, and wait until it is here.
+                # (Taking it back is no way: Python 3.11 then hangs wherever a debugger is at work.)
+                self._ring()
+                while True:
+                    time.sleep(0)
+        except TimeIsUp:
+            pass
 
-    def _stop(self):
-        self._over.set()
-        with self._turn:
-            self._raise(None)  # one may still be on its way
-
-    def _raise(self, kind):
-        """Have the watched thread raise `kind` before its next line; None takes back what it has not yet raised."""
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._target), kind and ctypes.py_object(kind))
+    def _ring(self):
+        """Have the watched thread raise `TimeIsUp` before its next line."""
+        self._has_rung = True
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._target), ctypes.py_object(TimeIsUp))

@@ -21,7 +21,6 @@ __all__ = ["Here", "Prints", "TimeIsUp", "guarded_call", "stopped_after", "words
 _KEPT_PRINTS = 2_000
 _OURS = (str(Path(__file__).parents[1]), *(sysconfig.get_path(name) for name in ("stdlib", "purelib")))
 _NOT_THE_LEARNERS = (*(folder + os.sep for folder in _OURS), "<frozen")
-_NOT_RUN_YET = (types.GeneratorType, types.CoroutineType)
 
 
 class Here(Learner):
@@ -70,9 +69,9 @@ def guarded_call(function, arguments, time_limit, was_anything_done):
         raise Fault(Kind.INTERRUPTED, "you stopped it") from error
     except BaseException as error:
         raise Fault(Kind.RAISED, words_for(error)) from error
-    if type(value) in _NOT_RUN_YET:
+    word = "yield" if type(value) is types.GeneratorType else "async" if type(value) is types.CoroutineType else ""
+    if word:
         value.close()
-        word = "yield" if type(value) is types.GeneratorType else "async"
         raise Fault(Kind.RAISED, f"a {type_name(value)}, and nothing in it has run: that is what `{word}` does")
     return value
 

@@ -1,7 +1,7 @@
 """Plain values: all that may pass from the learner's code to the judge, so that no object of theirs is ever asked.
 
-Whatever a value says of itself (its `__class__`, `==`, `repr`, `__array__`) is the learner's code. So its type is what
-`type` says, and its content is read by the methods of the plain type beneath.
+Whatever a value says of itself (its `__class__`, `==`, `repr`, `__array__`) is the learner's code, and so is what its
+type says. So types are compared by `is` and `issubclass` alone, and contents read by methods of the plain type beneath.
 """
 
 import json
@@ -12,6 +12,7 @@ import numpy as np
 _LONGEST_TEXT, _LARGEST_INT, _DEEPEST = 100_000, 2**1000, 6
 _MOST_ITEMS = 4_000_000  # entries of arrays and of lists, in one value
 _KINDS = {"b": np.bool_, "i": np.int64, "u": np.int64, "f": np.float64}
+_SCALARS = [np.dtype(code).type for code in "?" + np.typecodes["AllInteger"] + np.typecodes["Float"]]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ def plain(value):
 
 def type_name(value):
     """The name of a value's type, at most 60 characters; no metaclass is asked for it."""
-    return type.__dict__["__name__"].__get__(type(value)).encode("utf-8", "replace").decode()[:60]
+    return type.__dict__["__name__"].__get__(type(value))[:60]
 
 
 class _Room:
@@ -49,7 +50,7 @@ class _Room:
 
 def _plain(value, depth, room):
     kind = type(value)
-    if value is None or kind in (bool, float):
+    if value is None or kind is bool or kind is float:
         return value
     if issubclass(kind, str):
         # A lone surrogate can be in a str but in no file.
@@ -59,9 +60,8 @@ def _plain(value, depth, room):
         return number if -_LARGEST_INT < number < _LARGEST_INT else Strange(type_name(value))
     if issubclass(kind, float):
         return float.__add__(value, 0.0)
-    if issubclass(kind, (np.bool_, np.integer, np.floating)) and not issubclass(kind, np.timedelta64):
-        to = np.bool_ if issubclass(kind, np.bool_) else np.int64 if issubclass(kind, np.integer) else np.float64
-        return np.generic.astype(value, to).item()
+    if any(kind is scalar for scalar in _SCALARS):  # numpy can crash on subclasses of these
+        return value.astype(_KINDS[value.dtype.kind]).item()
     if issubclass(kind, np.ndarray):
         dtype, size = np.ndarray.dtype.__get__(value), np.ndarray.size.__get__(value)
         if dtype.kind in _KINDS and room.has(size):
@@ -75,7 +75,7 @@ def _plain(value, depth, room):
 def described(value):
     """A plain value in a few words, for a table."""
     if isinstance(value, Strange):
-        return _with_article(value.type_name)
+        return f"a value of type {value.type_name}"
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
     if isinstance(value, tuple):
@@ -85,10 +85,6 @@ def described(value):
             return f"{len(value)} values, {', '.join(described(item) for item in value[:2])} and so on"
     text = repr(value[:60] if isinstance(value, str) else value)
     return text if len(text) <= 60 else text[:59] + "…"
-
-
-def _with_article(noun):
-    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"
 
 
 def to_json(value):

@@ -143,8 +143,6 @@ class World(gymnasium.Env):
             raise AttributeError(f"this maze shows no {name!r}: a mouse has no map, only rows, columns, reset and step")
         raise AttributeError(f"a maze has no {name!r}")
 
-    def __deepcopy__(self, memo):
+    def __reduce_ex__(self, protocol):
+        """What `copy` and `pickle` ask for; a copy would let the mouse try a step before it takes it."""
         raise TypeError("this maze cannot be copied: there is one mouse, in one place")
-
-    def __copy__(self):
-        return self.__deepcopy__({})

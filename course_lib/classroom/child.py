@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 from course_lib.checks.here import Prints, TimeIsUp, guarded_call, stopped_after, words_for
-from course_lib.checks.learner import Fault, Kind, Seed
+from course_lib.checks.learner import Fault, Kind
 from course_lib.checks.plain import from_json, plain, to_json
 from course_lib.checks.worlds import EnoughSteps, World
 from course_lib.classroom.confine import confine_to, limit_resources

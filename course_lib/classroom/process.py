@@ -39,7 +39,7 @@ class LearnerProcess:
     TIME_UP, and `alive` is false from then on.
     """
 
-    def __init__(self, folder, limits=Limits()):  # noqa: B008 (frozen)
+    def __init__(self, folder, limits=Limits()):
         self.limits, self.alive, self._length = limits, True, 0
         self._socket, theirs = socket.socketpair()
         settings = {

@@ -76,7 +76,8 @@ def table_that_turns_back(maze, seed):
 
 
 def random_table(maze, seed):
-    return np.random.default_rng(seed).uniform(0.1, 0.4, size=blank(maze).shape)
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0.1, 0.4, size=blank(maze).shape)
 
 
 def ahead(maze, state, action):

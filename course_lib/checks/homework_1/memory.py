@@ -64,10 +64,9 @@ class Choices:
             self.number += sum(t < end for t in choices)
             self.returns += [_returned(maze, episode, t) for t in returns if t < end]
 
-    def __add__(self, other):
-        both = Choices(None, [])
-        both.number, both.returns = self.number + other.number, self.returns + other.returns
-        return both
+    def add(self, other):
+        self.number += other.number
+        self.returns += other.returns
 
     @property
     def share(self):
@@ -76,7 +75,7 @@ class Choices:
 
     @property
     def often(self):
-        return self.share >= _OFTEN
+        return len(self.returns) > 2 and self.share >= _OFTEN
 
     def say(self, likely=""):
         """Raise `NotYet` on the first needless return, if there is one."""
@@ -90,7 +89,7 @@ class Choices:
         raise NotYet(came, likely or self._likely(), map_of(first.maze, first.here))
 
     def _likely(self):
-        several = len(self.returns) > 1
+        several = len(self.returns) > 2  # fewer may be so by chance
         if several and all(step.here == step.there for step in self.returns):
             return (
                 "your mouse counts what lies beyond the edge as a fresh cell. A move against the edge leaves it in "
@@ -98,6 +97,11 @@ class Choices:
             )
         if several and all(step.there == step.start for step in self.returns):
             return "the start is missing from your mouse's memory: it is a visited cell from the beginning."
+        if all(step.there == step.start for step in self.returns):
+            return (
+                "the start is missing from your mouse's memory, or the random step, with probability epsilon, does "
+                "not look at the memory."
+            )
         if len(self.returns) > 5 and all(step.there not in (step.before, step.here) for step in self.returns):
             return "your mouse remembers the last cells only: the memory has to keep all cells of the episode."
         if not self.often:

@@ -15,9 +15,8 @@ from course_lib.maze import Action, Maze
 
 
 def _walks_on_to_the_cheese(call, seed):
-    for i, maze in enumerate(bumpy_mazes(seed)):
-        world, _ = play(call, maze, blank(maze), seed + i)
-        check_one_whole_episode(world)
+    mazes = bumpy_mazes(seed)
+    check_one_whole_episode(*(play(call, maze, blank(maze), seed + i)[0] for i, maze in enumerate(mazes)))
 
 
 def _heeds_the_clock(call, seed):
@@ -27,35 +26,35 @@ def _heeds_the_clock(call, seed):
 
 
 def _tries_another_action(call, seed):
+    worlds = []
     for i, maze in enumerate(bumpy_mazes(seed)):
-        for table in (table_that_loves_walls(maze, seed + i), blank(maze)):
-            world, _ = play(call, maze, table, seed + i)
-            for episode in world.episodes:
-                _check_no_second_bump(maze, episode)
-            check_one_whole_episode(world)
+        worlds += [
+            play(call, maze, table, seed + i)[0] for table in (table_that_loves_walls(maze, seed + i), blank(maze))
+        ]
+    again = [bump for world in worlds for episode in world.episodes for bump in _second_bumps(world.maze, episode)]
+    if again:
+        at_once = [bump for bump in again if bump[-1] == bump[-2] + 1]
+        _say_bumped_again(*(at_once or again)[0], at_once=bool(at_once))
+    check_one_whole_episode(*worlds)
 
 
-def _check_no_second_bump(maze, episode):
+def _second_bumps(maze, episode):
+    """(maze, state, action, t of one bump, t of the next) of each bump into a wall that had been bumped into."""
     bumped = {}
     for t, state, action, _, _, bump in episode.steps():
         if bump and (state, action) in bumped:
-            _say_bumped_again(maze, state, action, t, bumped[state, action])
+            yield maze, state, action, bumped[state, action], t
         if bump:
             bumped[state, action] = t
 
 
-def _say_bumped_again(maze, state, action, now, before):
+def _say_bumped_again(maze, state, action, before, now, *, at_once):
     came = f"steps {before + 1} and {now + 1}: {Action(action).name} from {place(maze, state)}, a bump both times"
-    if now == before + 1:
-        likely = (
-            "your mouse chooses among all actions again, though it has just bumped: leave out the actions that have "
-            "bumped in this cell."
-        )
-    else:
-        likely = (
-            "your mouse forgets its bumps when it tries another action or leaves the cell: remember them until the "
-            "episode is over."
-        )
+    likely = "your mouse forgets its bumps when it tries another action or leaves the cell: remember them until the "
+    likely += "episode is over."
+    if at_once:
+        likely = "your mouse chooses among all actions again, though it has just bumped: leave out the actions that "
+        likely += "have bumped in this cell."
     raise NotYet(came, likely, map_of(maze, state))
 
 
@@ -67,9 +66,8 @@ def _learns_from_every_step(call, seed):
 
 
 def _counts_its_steps(call, seed):
-    for i, maze in enumerate(bumpy_mazes(seed)):
-        world, returned = play(call, maze, table_that_loves_walls(maze, seed + i), seed + i)
-        check_steps(world, returned)
+    mazes = bumpy_mazes(seed)
+    check_steps([play(call, maze, table_that_loves_walls(maze, seed + i), seed + i) for i, maze in enumerate(mazes)])
 
 
 goes_on_after_a_bump = Check(

@@ -34,28 +34,56 @@ _ROWS_FOR_COLUMNS = (
 
 
 def _leaves_visited_cells(call, seed):
-    _check_same_again(call, seed)
-    square = _choices(call, _square_mazes(seed), seed)
+    seen = Choices(None, [])
+    lesson = bumpy_mazes(seed)[0]
+    _watch_choices(call, lesson, blank(lesson), seed, seen)
+    if not seen.returns:
+        _check_does_as_well_again(call, lesson, seed)
+    for maze, table in _with_tables(_square_mazes(seed), seed):
+        _watch_choices(call, maze, table, seed, seen)
+    square, seen = seen, Choices(None, [])
     try:
-        oblong = _choices(call, _oblong_mazes(seed), seed)
+        for maze, table in _with_tables(_oblong_mazes(seed), seed):
+            _watch_choices(call, maze, table, seed, seen)
     except Fault as fault:
         if nothing_was_left(fault) and not square.returns:
             raise NotYet(f"in a maze that is not square: {fault}", _ROWS_FOR_COLUMNS) from None
         raise
-    oblong.say(_ROWS_FOR_COLUMNS if oblong.often and not square.returns else "")
+    if seen.often and not square.returns:
+        seen.say(_ROWS_FOR_COLUMNS)
+    square.add(seen)
+    square.say()
 
 
-def _check_same_again(call, seed):
+def _check_does_as_well_again(call, maze, seed):
     """The same call several times: a mouse that does well the first time, and not again, has kept its memory."""
-    maze = bumpy_mazes(seed)[0]
-    _choices(call, [maze], seed).say()
     for _ in range(5):
         try:
-            _choices(call, [maze], seed).say()
+            again = Choices(None, [])
+            _watch_choices(call, maze, blank(maze), seed, again)
+            again.say()
         except (NotYet, Fault) as finding:
+            if isinstance(finding, Fault) and finding.kind is not Kind.RAISED:
+                raise
             call.kept["memory stays"] = True
-            came = f"the first episode went well; in another one that began like it: {finding}"
+            came = f"one episode went well; then, in another that began like it, {finding}"
             raise NotYet(came, _NOT_EMPTIED, getattr(finding, "map", "")) from None
+
+
+def _watch_choices(call, maze, table, seed, seen):
+    """Add to `seen` what the mouse chooses before the first dead end of an episode."""
+    world = Watched(maze)
+    try:
+        call(world, table, Seed(seed))
+    except Fault as fault:
+        seen.add(Choices(maze, world.episodes, only_before_dead_ends=True))
+        if fault.kind is Kind.RAISED:
+            seen.say()  # it went wrong before it came to this
+        explain_fault(fault, world, remembers=True)
+        raise
+    check_not_too_long(world, "")
+    check_one_whole_episode(world, remembers=True)
+    seen.add(Choices(maze, world.episodes, only_before_dead_ends=True))
 
 
 def _square_mazes(seed):
@@ -68,15 +96,9 @@ def _oblong_mazes(seed):
     return [Maze.random(*shape, walls=0.1, seed=seed, wall_ends_episode=False) for shape in shapes]
 
 
-def _choices(call, mazes, seed):
-    """What the mouse chose before the first dead end of each episode, without a table and with one that turns back."""
-    choices = Choices(None, [])
-    for i, maze in enumerate(mazes):
-        for table in (blank(maze), table_that_turns_back(maze, seed + i)):
-            world, _ = play(call, maze, table, seed + i, remembers=True)
-            check_one_whole_episode(world, remembers=True)
-            choices += Choices(maze, world.episodes, only_before_dead_ends=True)
-    return choices
+def _with_tables(mazes, seed):
+    """Each maze with an empty table, and with one that would rather turn back."""
+    return [(maze, table) for maze in mazes for table in (blank(maze), table_that_turns_back(maze, seed))]
 
 
 def _gets_out_of_dead_ends(call, seed):
@@ -122,11 +144,13 @@ def _begins_each_episode_afresh(call, seed):
 
 
 def _learns_and_counts(call, seed):
-    for i, maze in enumerate([*bumpy_mazes(seed), labyrinth(3, seed)]):
-        before = random_table(maze, seed + i)
-        world, returned = play(call, maze, before, seed + i, remembers=True)
-        check_learned(world, before, returned)
-        check_steps(world, returned)
+    played = []
+    mazes = [*bumpy_mazes(seed), labyrinth(4, seed)]
+    with_tables = [(maze, random_table(maze, seed + i)) for i, maze in enumerate(mazes)]
+    for i, (maze, before) in enumerate([*with_tables, corridor(2 * seed), corridor(2 * seed + 1)]):
+        played.append(play(call, maze, before, seed + i, remembers=True))
+        check_learned(played[-1][0], before, played[-1][1])
+    check_steps(played)
 
 
 keeps_to_fresh_cells = Check(

@@ -109,25 +109,25 @@ def _tests_after_every_episode(call, seed):
 
 
 def _counts_its_episodes(call, seed):
-    for training in _trainings(call, seed):
-        _check_count(training)
+    _check_counts(_trainings(call, seed))
 
 
-def _check_count(training):
-    _, episodes = training.returned()
-    played = len(training.episodes)
-    if episodes == played:
+def _check_counts(trainings):
+    wrong = [training for training in trainings if training.returned()[1] != len(training.episodes)]
+    if not wrong:
         return
+    numbers, played = [training.number for training in wrong], [len(training.episodes) for training in wrong]
+    with_walks = [len(training.episodes) + len(training.walks) for training in wrong]
     likely = "your function returns something else than the number of episodes."
-    if episodes == played - 1:
+    if numbers == [number - 1 for number in played]:
         likely = "your count begins at 0: after the first episode it must say 1."
-    elif episodes == played + 1:
+    elif numbers == [number + 1 for number in played]:
         likely = "you count one more before you look whether the mouse can walk."
-    elif episodes == played + len(training.walks):
+    elif numbers == with_walks:
         likely = "you count the test walks too: only episodes in `maze` are training."
-    elif episodes == training.world.steps:
+    elif numbers == [training.world.steps for training in wrong]:
         likely = "you count steps, not episodes."
-    raise NotYet(f"{described(episodes)}; {played} episodes were played in `maze`", likely)
+    raise NotYet(f"{described(numbers[0])}; {played[0]} episodes were played in `maze`", likely)
 
 
 def _returns_the_table_of_its_walks(call, seed):
@@ -181,7 +181,7 @@ def _gives_up_in_time(call, seed):
         raise NotYet(
             f"{played} episodes with max_episodes = 3", "your loop stops too early: the mouse could not walk yet."
         )
-    _check_count(training)
+    _check_counts([training])
 
 
 stops_by_itself = Check(

@@ -86,39 +86,46 @@ def check_not_too_long(world, came):
         )
 
 
-def check_one_whole_episode(world, *, remembers=False):
-    """One episode until the world says that it is over. A reset that no step follows is let pass."""
-    maze, episodes = world.maze, world.played
-    if not world.episodes:
-        raise NotYet("the maze was never reset", "your function does not begin an episode: call `maze.reset()` first.")
-    if not episodes:
-        raise NotYet("no step was taken", "your function returns before it has called `maze.step`.")
-    first = episodes[0]
-    if not first.over:
-        _say_why_it_ended(maze, first, remembers, began_again=len(episodes) > 1)
-    if len(episodes) > 1:
-        raise NotYet(
-            f"{len(episodes)} episodes", "your function plays more than one episode: reset the maze once only."
-        )
+def check_one_whole_episode(*worlds, remembers=False):
+    """In each world one episode, until the world says that it is over. A reset that no step follows is let pass."""
+    for world in worlds:
+        if not world.episodes:
+            raise NotYet(
+                "the maze was never reset", "your function does not begin an episode: call `maze.reset()` first."
+            )
+        if not world.played:
+            raise NotYet("no step was taken", "your function returns before it has called `maze.step`.")
+    unfinished = [world for world in worlds if not world.played[0].over]
+    if unfinished:
+        # One walk may have ended at its first bump by chance.
+        at_a_bump = all(world.played[0].bumps[-1] and sum(world.played[0].bumps) == 1 for world in unfinished)
+        _say_why_it_ended(unfinished[0], at_a_bump, remembers)
+    for world in worlds:
+        if len(world.played) > 1:
+            raise NotYet(
+                f"{len(world.played)} episodes",
+                "your function plays more than one episode: reset the maze once only.",
+            )
 
 
-def _say_why_it_ended(maze, episode, remembers, began_again):
+def _say_why_it_ended(world, at_a_bump, remembers):
+    maze, episode, began_again = world.maze, world.played[0], len(world.played) > 1
     here = map_of(maze, episode.states[-1])
     where = f"at step {len(episode)}, in {place(maze, episode.states[-1])}"
     came = f"reset {where}" if began_again else f"the walk ended {where}"
-    stuck = remembers and not open_fresh_actions(maze, episode, len(episode))
-    if stuck and episode.bumps[-1] and sum(episode.bumps) == 1:  # it may be either
+    in_a_dead_end = remembers and not open_fresh_actions(maze, episode, len(episode))
+    if at_a_bump and in_a_dead_end:  # it may be either
         likely = "your mouse gives up in a dead end, or at a bump"
         if began_again:
             likely = "a dead end, or a bump, sends your mouse back to the start"
         likely += ": a bump ends nothing, and from a dead end it is to walk back over cells that it knows."
         raise NotYet(f"{came}, after a bump, in a dead end", likely, here)
-    if episode.bumps[-1] and not stuck:
+    if at_a_bump:
         likely = "your loop stops at a bump. In this maze a bump ends nothing: only `terminated` and `truncated` do."
         if began_again:
             likely = "a bump still sends your mouse back to the start. `maze.reset()` belongs before the loop, once."
         raise NotYet(f"{came}, after a bump", likely, here)
-    if stuck:
+    if in_a_dead_end:
         likely = "your mouse gives up in a dead end: it is to walk back over cells that it knows."
         if began_again:
             likely = "a dead end sends your mouse back to the start: it is to walk back over cells that it knows."

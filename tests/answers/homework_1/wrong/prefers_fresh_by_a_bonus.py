@@ -33,7 +33,6 @@ def play_remembering(maze, q_table, rng):
     state, info = maze.reset()
     visited = {state, None}
     walls = set()
-    path = [state]
     steps = 0
     while True:
         fresh = [a for a in range(4) if ahead(maze, state, a) not in visited | walls]
@@ -41,8 +40,7 @@ def play_remembering(maze, q_table, rng):
             bonus = np.array([0.3 * (a in fresh) for a in range(4)])
             action = int(np.argmax(q_table[state] + bonus))
         else:
-            path.pop()
-            action = next(a for a in range(4) if ahead(maze, state, a) == path[-1])
+            action = int(rng.integers(4))
         next_state, reward, terminated, truncated, info = maze.step(action)
         steps += 1
         update(q_table, state, action, reward, next_state, terminated)
@@ -50,7 +48,6 @@ def play_remembering(maze, q_table, rng):
             walls.add(ahead(maze, state, action))
         elif next_state not in visited:
             visited.add(next_state)
-            path.append(next_state)
         state = next_state
         if terminated or truncated:
             break

@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "keeps_to_fresh_cells"
-SAYS = "Does the random step"
+SAYS = "the random step"
 
 
 def update(q_table, state, action, reward, next_state, terminated, gamma=0.9, alpha=0.1):

@@ -246,8 +246,15 @@ def test_the_line_is_the_last_of_the_learners_own():
         maze.reset()
         return rng.choice([])
 
-    fault = fault_of(play, Watched(Maze()), Seed(0))
-    assert str(fault).endswith(": `return rng.choice([])`")
+    def calls(maze, rng):
+        return play(maze, rng)
+
+    fault = str(fault_of(play, Watched(Maze()), Seed(0)))
+    assert fault.endswith(" of `play`: `return rng.choice([])`")
+    assert "called from" not in fault
+    fault = str(fault_of(calls, Watched(Maze()), Seed(0)))
+    assert " of `play`: `return rng.choice([])`; called from line " in fault
+    assert fault.endswith(" of `calls`: `return play(maze, rng)`")
     assert str(fault_of(lambda maze: maze.step("up"), Watched(Maze()))).startswith(
         "ValueError: an action is 0, 1, 2 or 3"
     )
@@ -256,7 +263,7 @@ def test_the_line_is_the_last_of_the_learners_own():
 def test_code_without_a_file_is_told_by_its_line():
     names = {}
     exec("def play():\n    return [][1]\n", names)
-    assert str(fault_of(names["play"])) == "IndexError: list index out of range, in line 2"
+    assert str(fault_of(names["play"])) == "IndexError: list index out of range, in line 2 of `play`"
 
 
 def test_an_error_raised_by_nobodys_line():

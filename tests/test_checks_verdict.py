@@ -85,7 +85,7 @@ def test_a_row_that_passed_or_was_not_started_says_nothing_more():
 def test_each_outcome_says_what_to_do_next():
     assert "passed" in repr(Verdict("Task", (PASSED,), "more"))
     assert "more" not in repr(Verdict("Task", (PASSED,), "more"))
-    assert "Hidden checks" in repr(Verdict("Task", (PASSED,)))
+    assert "hidden checks" in repr(Verdict("Task", (PASSED,)))
     assert "Write your code in the cell above" in repr(Verdict("Task", (NOT_STARTED,)))
     assert repr(Verdict("Task", (NOT_YET,), "more")).endswith("more")
 
@@ -132,6 +132,13 @@ def test_colours_of_a_terminal_and_bars_that_redraw_themselves_become_lines():
 def test_no_line_of_the_text_is_longer_than_a_page_is_wide(came, likely, printed):
     row = Row(Outcome.NOT_YET, "a maze " * 20, "one walk " * 20, came, likely)
     assert max(map(len, repr(Verdict("A task " * 20, (row,), "more " * 40, printed)).split("\n"))) <= 90
+
+
+def test_of_many_lines_that_were_printed_the_first_are_shown():
+    verdict = Verdict("Task", (NOT_YET,), "", "a line\n" * 1000)
+    for text in (repr(verdict), verdict.html()):
+        assert text.count("a line") == 20
+        assert "… and 980 more" in text
 
 
 def test_a_line_without_spaces_is_broken():

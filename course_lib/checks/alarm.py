@@ -2,6 +2,7 @@
 
 import ctypes
 import signal
+import sys
 import threading
 import time
 
@@ -24,22 +25,27 @@ def stopped_after(seconds):
 
 class _BySignal:
     def __init__(self, seconds):
-        self._seconds, self._over = seconds, False
+        self._seconds, self._block = seconds, None
 
     def __enter__(self):
+        self._block = sys._getframe(1)  # where the `with` is
         self._began = time.monotonic()
         self._handler_before = signal.signal(signal.SIGALRM, self._ring)
         self._timer_before = signal.setitimer(signal.ITIMER_REAL, self._seconds, _AGAIN_AFTER)
 
     def _ring(self, _, frame):
-        leaving = frame is not None and frame.f_code is _BySignal.__exit__.__code__
-        if not self._over and not leaving:
+        """Raise it in the block and in what the block calls, but not while the block is being left."""
+        while frame is not None and frame is not self._block:
+            if frame.f_code is _BySignal.__exit__.__code__:
+                return
+            frame = frame.f_back
+        if frame is not None:
             raise TimeIsUp
 
     def __exit__(self, *_):
-        self._over = True
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, self._handler_before or signal.SIG_DFL)
+        self._block = None
         left, interval = self._timer_before
         if left:  # somebody else's alarm was set
             signal.setitimer(signal.ITIMER_REAL, max(1e-3, left - (time.monotonic() - self._began)), interval)

@@ -1,5 +1,6 @@
 """A check: a task's trials, run one after the other on the learner's function, and its hints."""
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from course_lib.checks.verdict import Hint, Outcome, Row, Verdict
 from course_lib.validate import number, whole_number
 
 _NOTHING_MORE_AFTER = {Kind.NOT_STARTED, Kind.NO_FUNCTION, Kind.SIGNATURE, Kind.TIME_UP, Kind.INTERRUPTED, Kind.DIED}
+_NOT_TRIED = "not tried after that"
 
 
 class NotYet(Exception):
@@ -63,10 +65,12 @@ class Check:
     usage    how the learner's function is called, such as "play(maze, q_table, rng)"
     trials   each worth a point
     hints    from a nudge to nearly the answer
+    likely   {pattern: words}: what an error that the learner's code raised looks like, where its words match
     """
 
-    def __init__(self, name, *, title, usage, trials, hints):
+    def __init__(self, name, *, title, usage, trials, hints, likely=()):
         self.name, self.title, self.usage = name, title, usage
+        self._likely_errors = dict(likely)
         self.trials, self.hints = tuple(trials), tuple(hints)
         self._hints_given = 0
 
@@ -116,7 +120,7 @@ class Check:
     def _not_tried(self, trial, stop):
         if stop is Kind.NOT_STARTED:
             return Row(Outcome.NOT_STARTED, trial.tried, trial.expected), stop
-        return Row(Outcome.NOT_YET, trial.tried, trial.expected, "not tried after that"), stop
+        return Row(Outcome.NOT_YET, trial.tried, trial.expected, _NOT_TRIED), stop
 
     def _likely(self, fault):
         words = str(fault)
@@ -126,6 +130,9 @@ class Check:
             return "your code ends the whole program, by `exit()` or the like: use `return`."
         if "this maze shows no" in words:
             return "your code asks for the map, which the mouse does not have."
+        for pattern, likely in self._likely_errors.items():
+            if fault.kind is Kind.RAISED and re.search(pattern, words):
+                return likely
         return {
             Kind.LEFT_OVER: "the line `raise NotImplementedError` was left in: delete it.",
             Kind.NO_FUNCTION: f"the check was given something else than your function: `{self.usage}`.",
@@ -140,7 +147,7 @@ def _said_once(rows):
     said, result = set(), []
     for row in rows:
         words = row.came, row.likely, row.map
-        if row.outcome is Outcome.NOT_YET and row.likely and words in said:
+        if row.outcome is Outcome.NOT_YET and words in said and row.came != _NOT_TRIED:
             row = Row(row.outcome, row.tried, row.expected, "the same as above")
         said.add(words)
         result.append(row)

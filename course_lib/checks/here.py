@@ -111,14 +111,24 @@ def _name_of(function):
 
 
 def words_for(error):
-    """'ValueError: no such cell, in line 7: `cell = cells[state]`': the last line of the learner's that was at work."""
+    """'ValueError: no such cell, in line 7 of `look`: `cells[state]`; called from line 12 of `play`: `look(state)`'.
+
+    The lines are the learner's: the last that was at work and, where that is another function, the first.
+    """
     words = f"{type_name(error)}: {_text(error)}".rstrip(": ")
     frames = _learners_frames(error)
-    if not frames:
-        return words
-    number = frames[-1].tb_lineno
-    line = linecache.getline(frames[-1].tb_frame.f_code.co_filename, number).strip().replace("`", "'")
-    return f"{words}, in line {number}" + (f": `{line[:100]}`" if line else "")
+    if frames:
+        words += f", in {_line_of(frames[-1])}"
+    if len(frames) > 1:
+        words += f"; called from {_line_of(frames[0])}"
+    return words
+
+
+def _line_of(frame):
+    code = frame.tb_frame.f_code
+    line = linecache.getline(code.co_filename, frame.tb_lineno).strip().replace("`", "'")
+    where = "" if code.co_name.startswith("<") else f" of `{code.co_name}`"
+    return f"line {frame.tb_lineno}{where}" + (f": `{line[:100]}`" if line else "")
 
 
 def _learners_frames(error):

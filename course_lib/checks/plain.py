@@ -87,6 +87,11 @@ def described(value):
     return text if len(text) <= 60 else text[:59] + "…"
 
 
+def counted(number, noun):
+    """'1 episode', '2 episodes'."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def to_json(value):
     """A plain value as one line of JSON."""
     return json.dumps(_packed(value))

@@ -15,7 +15,7 @@ class Outcome(StrEnum):
 
 
 _MARKS = {Outcome.NOT_STARTED: "○", Outcome.NOT_YET: "✗", Outcome.PASSED: "✓"}
-_WIDTH = 88
+_WIDTH, _MOST_LINES = 88, 20  # lines of what the learner's code printed
 _TERMINAL_COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
 # No colours of our own: the page's are readable in its light and in its dark theme.
 _CELL = "text-align:left;vertical-align:top;overflow-wrap:break-word"
@@ -71,7 +71,7 @@ class Verdict:
     @property
     def _closing(self):
         if self.passed:
-            return "Public checks passed. Hidden checks, in other mazes, may follow when your homework is graded."
+            return "Public checks passed: on to the next task. (If your homework is graded, hidden checks may follow.)"
         if self.outcome is Outcome.NOT_STARTED:
             return (
                 "Write your code in the cell above, run that cell, then run this one again. If it is written already: "
@@ -97,7 +97,7 @@ class Verdict:
                 yield textwrap.indent(row.map, "        ")
         if self.printed:
             yield "  Your code printed:"
-            for line in _printable(self.printed).rstrip().splitlines():
+            for line in _beginning(self.printed):
                 yield from textwrap.wrap(line, _WIDTH - 4, initial_indent="    ", subsequent_indent="    ") or [""]
         yield from _wrapped(self._closing, "  ", "  ")
 
@@ -111,7 +111,7 @@ class Verdict:
         outcome, points = self._heading
         head = f'<tr><th style="{_CELL}">outcome</th><th style="{_CELL}">what was tried</th></tr>'
         rows = "".join(_html_row(row) for row in self.rows)
-        printed = escape(_printable(self.printed).rstrip())
+        printed = escape("\n".join(_beginning(self.printed)))
         printed = f'<p>Your code printed:</p><pre style="{_WRAPS}">{printed}</pre>' if printed else ""
         table = f'<table style="margin-left:0"><thead>{head}</thead><tbody>{rows}</tbody></table>'
         return f"<p><b>{_html(outcome)}</b> ({points})</p>{table}{printed}<p>{_html(self._closing)}</p>"
@@ -143,6 +143,12 @@ def _printable(text):
     """Text that can be shown and stored anywhere: a learner's code may print what moves a cursor or a whole line."""
     text = _TERMINAL_COLOURS.sub("", text).replace("\r\n", "\n").replace("\r", "\n").expandtabs()
     return "".join(c if c == "\n" or c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def _beginning(printed):
+    lines = _printable(printed).rstrip().split("\n")
+    more = len(lines) - _MOST_LINES
+    return lines if more <= 0 else [*lines[:_MOST_LINES], f"… and {more} more of what was kept"]
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from .school import cell_of, filled_in, hand_in
 HOMEWORK = "homework_1"
 SOURCE = Path(__file__).parents[2] / "notebooks" / "solutions" / "04_homework_1.ipynb"
 ANSWERS = {name: cell_of(nbformat.read(SOURCE, as_version=4), name).source for name in ("task_1", "task_2", "task_3")}
-NOTHING, ALL = (0, 0, 0), (5, 5, 5)
+NOTHING, ALL = (0, 0, 0), (6, 6, 5)
 
 
 @dataclass(frozen=True)
@@ -88,12 +88,12 @@ PLAYS_NOTHING = "class Yes:\n    def __eq__(self, other): return True\n    def _
 CASES = {
     # honest work
     "perfect": Case(answered, ALL),
-    "first task only": Case(lambda release: filled_in(release, {"task_1": ANSWERS["task_1"]}), (5, 0, 0)),
+    "first task only": Case(lambda release: filled_in(release, {"task_1": ANSWERS["task_1"]}), (6, 0, 0)),
     "forgot to return": Case(
-        lambda release: answered(release, task_1=ANSWERS["task_1"].replace("    return steps\n", "")), (4, 5, 5)
+        lambda release: answered(release, task_1=ANSWERS["task_1"].replace("    return steps\n", "")), (5, 6, 5)
     ),
     "empty": Case(deepcopy, NOTHING),
-    "syntax error": Case(lambda release: answered(release, task_3="def train(:"), (5, 5, 0)),
+    "syntax error": Case(lambda release: answered(release, task_3="def train(:"), (6, 6, 0)),
     "answers in a cell of their own": Case(
         lambda release: with_cell(
             filled_in(release, dict.fromkeys(ANSWERS, "")), "\n\n".join(ANSWERS.values()), before="task_1_check"
@@ -107,13 +107,13 @@ CASES = {
     "copied checks": Case(check_cells_copied, NOTHING),
     "checks of their own": Case(all_marked_as_checks, ALL),
     # code that ends or does not end
-    "os._exit": Case(lambda release: answered(release, task_1="import os; os._exit(0)"), (0, 5, 5)),
+    "os._exit": Case(lambda release: answered(release, task_1="import os; os._exit(0)"), (0, 6, 5)),
     "os._exit when called": Case(
         lambda release: answered(release, task_2="def play_remembering(*arguments):\n    import os; os._exit(0)"),
-        (5, 0, 0),
+        (6, 0, 0),
     ),
     "endless loop": Case(
-        lambda release: answered(release, task_3="def train(*arguments):\n    while True: pass"), (5, 5, 0)
+        lambda release: answered(release, task_3="def train(*arguments):\n    while True: pass"), (6, 6, 0)
     ),
     "swallows interrupts": Case(
         lambda release: with_cell(
@@ -249,4 +249,4 @@ def test_the_grades_are_written_as_csv(graded, tmp_path):
     for learner, case in CASES.items():
         if learner not in UNCONFINED:
             assert float(rows[learner]["score"]) == sum(case.points)
-            assert float(rows[learner]["max_score"]) == 15
+            assert float(rows[learner]["max_score"]) == sum(ALL)

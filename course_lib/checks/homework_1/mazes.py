@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from course_lib.bellman import value_iteration
 from course_lib.maze import LESSON_GRID, MOVES, Action, Maze, Tile
 
 
@@ -51,6 +52,20 @@ def labyrinth(rooms, seed):
         path.append((r, c))
     grid[0, 0], grid[-1, -1] = Tile.START, Tile.GOAL
     return Maze(grid.tolist(), wall_ends_episode=False)
+
+
+def staircase(steps):
+    """A corridor that goes right and down in turns: each of them is needed in one cell and bumps in the next."""
+    grid = np.full((steps + 1, steps + 1), Tile.WALL)
+    for i in range(steps):
+        grid[i, i] = grid[i, i + 1] = Tile.OPEN
+    grid[0, 0], grid[-1, -1] = Tile.START, Tile.GOAL
+    return Maze(grid.tolist(), wall_ends_episode=False)
+
+
+def table_that_knows_the_way(maze):
+    """The exact action values, as lesson 2 computes them."""
+    return value_iteration(maze.mdp, 0.9).q
 
 
 def blank(maze):

@@ -8,15 +8,60 @@ from course_lib.checks.homework_1.mazes import (
     map_of,
     place,
     random_table,
+    staircase,
     table_that_loves_walls,
 )
-from course_lib.checks.homework_1.walks import check_one_whole_episode, play
+from course_lib.checks.homework_1.walks import check_follows, check_one_whole_episode, nothing_was_left, play
+from course_lib.checks.learner import Fault
 from course_lib.maze import Action, Maze
+
+MISTAKES_WITH_CHOICES = {
+    "'set' object is not subscriptable": "`choose` is given a set. It wants a list of actions.",
+    "empty sequence|[Cc]annot choose from an empty|must be non-empty": "no action is left to choose from. Are bumps of "
+    "an earlier episode, or of another cell, still in the memory?",
+    "out of bounds for axis": "your code expects a maze of another size: a table has a row a state.",
+}
+
+
+_ONE_CELL = (
+    "your mouse gives up a direction everywhere once it has bumped that way. A bump concerns one cell and one action: "
+    "remember the pair, `(state, action)`."
+)
 
 
 def _walks_on_to_the_cheese(call, seed):
     mazes = bumpy_mazes(seed)
     check_one_whole_episode(*(play(call, maze, blank(maze), seed + i)[0] for i, maze in enumerate(mazes)))
+    _climbs_down_stairs(call, seed)
+
+
+def _climbs_down_stairs(call, seed):
+    """Where every action bumps in one cell and is needed in another, with a table that loves right and down."""
+    for i in range(3):
+        maze = staircase(3 + i)
+        table = blank(maze)
+        table[:, [Action.DOWN, Action.RIGHT]] = 0.3
+        try:
+            world, _ = play(call, maze, table, seed + i)
+        except Fault as fault:
+            if nothing_was_left(fault):
+                raise NotYet(f"on a staircase: {fault}", _ONE_CELL, map_of(maze)) from None
+            raise
+        check_one_whole_episode(world)
+        episode = world.played[0]
+        if not episode.reached_the_cheese:
+            where = place(maze, episode.states[-1])
+            raise NotYet(
+                f"on a staircase no cheese after {len(episode)} steps; the mouse is in {where}",
+                "your mouse does not follow its table, which says right and down here."
+                if {Action.DOWN, Action.RIGHT} & set(episode.actions[-200:])
+                else _ONE_CELL,
+                map_of(maze, episode.states[-1]),
+            )
+
+
+def _follows_its_table(call, seed):
+    check_follows(call, [bumpy_mazes(seed)[0], *bumpy_mazes(seed)[2:]], seed)
 
 
 def _heeds_the_clock(call, seed):
@@ -50,8 +95,8 @@ def _second_bumps(maze, episode):
 
 def _say_bumped_again(maze, state, action, before, now, *, at_once):
     came = f"steps {before + 1} and {now + 1}: {Action(action).name} from {place(maze, state)}, a bump both times"
-    likely = "your mouse forgets its bumps when it tries another action or leaves the cell: remember them until the "
-    likely += "episode is over."
+    likely = "your mouse forgets its bumps when it tries another action or leaves the cell (remember them until the "
+    likely += "episode is over), or its random step does not look at them."
     if at_once:
         likely = "your mouse chooses among all actions again, though it has just bumped: leave out the actions that "
         likely += "have bumped in this cell."
@@ -76,7 +121,9 @@ goes_on_after_a_bump = Check(
     usage="play_on(maze, q_table, rng)",
     trials=[
         Trial(
-            "four mazes full of walls", "one reset, then steps, bumps and all, to the cheese", _walks_on_to_the_cheese
+            "mazes full of walls, and stairs",
+            "one reset, then steps, bumps and all, to the cheese",
+            _walks_on_to_the_cheese,
         ),
         Trial("a clock that stops the episode after 15 steps", "no step after that", _heeds_the_clock),
         Trial(
@@ -84,16 +131,19 @@ goes_on_after_a_bump = Check(
             "in one episode, no second bump into the same wall from the same cell",
             _tries_another_action,
         ),
+        Trial("tables that know the way", "most steps are best ones", _follows_its_table),
         Trial("a table full of numbers", "after each step, a bump too, lesson 3's update", _learns_from_every_step),
         Trial("what it returns", "the number of steps", _counts_its_steps),
     ],
+    likely=MISTAKES_WITH_CHOICES,
     hints=[
         "Begin with lesson 3's `play_episode`. In these mazes `terminated` is false after a bump, so its loop already "
         "goes on. What is missing is that the mouse tries another action.",
         "Keep a set of pairs `(state, action)` that have bumped in this episode. `info['bumped']` tells you when to "
         "add one. Make the set before the loop.",
-        "List the actions that are left: `[a for a in range(4) if (state, a) not in bumped]`. Then choose among them: "
-        "at random with probability epsilon, else one with the highest value in `q_table[state]`.",
-        "The update needs no change at all: after a bump `next_state` is `state`, and `terminated` is false.",
+        "The update needs no change at all: after a bump `next_state` is `state`, and `terminated` is false. What "
+        "changes is which actions `choose` may choose from.",
+        "List the actions that are left: `actions = [a for a in range(4) if (state, a) not in bumped]`. Then "
+        "`choose(q_table, state, rng, actions)`.",
     ],
 )

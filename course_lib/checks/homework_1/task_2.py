@@ -11,10 +11,13 @@ from course_lib.checks.homework_1.mazes import (
     table_that_turns_back,
 )
 from course_lib.checks.homework_1.memory import Choices
+from course_lib.checks.homework_1.task_1 import MISTAKES_WITH_CHOICES
 from course_lib.checks.homework_1.walks import (
     check_arrived,
+    check_follows,
     check_not_too_long,
     check_one_whole_episode,
+    check_played,
     explain_fault,
     nothing_was_left,
     play,
@@ -137,13 +140,22 @@ def _begins_each_episode_afresh(call, seed):
             explain_fault(fault, world, remembers=True)
             raise
         check_not_too_long(world, "")
+        check_played(world)
         table = table_after(returned, table)
     Choices(maze, world.episodes[:1]).say()
     later = Choices(maze, world.episodes[1:])
     later.say(_NOT_EMPTIED if call.kept.get("memory stays") else "")
 
 
+def _follows_its_table(call, seed):
+    lesson, *larger = bumpy_mazes(seed)
+    mazes = [lesson, *larger[1:], Maze.random(6, 6, walls=0.0, wall_ends_episode=False)]
+    check_follows(call, mazes, seed, remembers=True)
+
+
 def _learns_and_counts(call, seed):
+    open_maze = Maze.random(9, 9, walls=0.1, seed=seed, wall_ends_episode=False)
+    check_one_whole_episode(play(call, open_maze, blank(open_maze), seed, remembers=True, time_limit=10)[0])
     played = []
     mazes = [*bumpy_mazes(seed), labyrinth(4, seed)]
     with_tables = [(maze, random_table(maze, seed + i)) for i, maze in enumerate(mazes)]
@@ -170,12 +182,18 @@ keeps_to_fresh_cells = Check(
         ),
         Trial("forks behind a dead end", "the visited cells are still known there", _remembers_after_a_dead_end),
         Trial("ten episodes in the same maze", "each begins with an empty memory", _begins_each_episode_afresh),
+        Trial("tables that know the way", "most steps are best ones of the fresh", _follows_its_table),
         Trial(
-            "the table, and what it returns",
-            "as in task 1: lesson 3's update after each step, and the number of steps",
+            "a clock, the table, and what it returns",
+            "as in task 1: an end when truncated, lesson 3's update, the number of steps",
             _learns_and_counts,
         ),
     ],
+    likely=MISTAKES_WITH_CHOICES
+    | {
+        "(row|column) must be": "your code asks for a cell beyond the edge: test row and column before you ask "
+        "`maze.state`.",
+    },
     hints=[
         "You need to know where an action leads before the mouse takes it. Row and column of a state come from "
         "`maze.cell(state)`, and back with `maze.state(row, column)`. What lies beyond the edge is no cell.",
@@ -184,6 +202,7 @@ keeps_to_fresh_cells = Check(
         "Choose among the fresh actions only, for the random step as well as for the best one. If there are none "
         "you are in a dead end.",
         "The surest way out of a dead end is the way you came. Keep a list `path` of the cells from the start to here: "
-        "append each new cell, and in a dead end take the last one off and step back to the one before it.",
+        "append each new cell, and in a dead end take the last one off and step back to the one before it. Which "
+        "action leads there? Try the four: it is the one whose cell ahead is `path[-1]`.",
     ],
 )

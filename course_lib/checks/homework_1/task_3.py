@@ -39,13 +39,18 @@ def _stops_when_it_can_walk(call, seed):
             _say_why_it_stopped(training)
 
 
+def _check_it_trained(training):
+    """There was an episode, but for a mouse that tests before it trains and was lucky."""
+    if not training.episodes and not any(walk.reached_the_cheese for walk in training.walks):
+        likely = "your function does not train: it is to play its episodes in `maze`."
+        raise NotYet("no episode in `maze`", likely, map_of(training.maze))
+
+
 def _check_it_trained_and_tested(training):
     episodes, walks, here = training.episodes, training.walks, map_of(training.maze)
-    if not episodes and any(walk.reached_the_cheese for walk in walks):
-        return  # it tests before it trains, and was lucky
+    _check_it_trained(training)
     if not episodes:
-        likely = "your function does not train: it is to play its episodes in `maze`."
-        raise NotYet("no episode in `maze`", likely, here)
+        return
     if walks:
         tested_first = walks[0].began < episodes[0].began and walks[-1].began < episodes[-1].began
         if tested_first and len(walks) == len(episodes) < training.max_episodes:
@@ -113,6 +118,8 @@ def _counts_its_episodes(call, seed):
 
 
 def _check_counts(trainings):
+    for training in trainings:
+        _check_it_trained(training)
     wrong = [training for training in trainings if training.returned()[1] != len(training.episodes)]
     if not wrong:
         return
@@ -150,6 +157,7 @@ def _returns_the_table_of_its_walks(call, seed):
             )
         else:
             _check_greedy(training.maze, training.walks[-1], table, "last test walk")
+    _check_ties(_trainings(call, seed))
 
 
 def _check_greedy(maze, walk, table, name):
@@ -166,6 +174,42 @@ def _check_greedy(maze, walk, table, name):
                 "explore, and not learn.",
                 map_of(maze, state),
             )
+
+
+def _check_ties(trainings):
+    """The last walks took the first of equally good actions each time, or the last: the same table, the same walk."""
+    guesses = [_guess(training) for training in trainings if training.walks]
+    for rule in range(len(_RULES)):
+        if not any(guess[rule] for guess in guesses):
+            return
+    t, state, action, other, maze = next(guess[0] for guess in guesses if guess[0])
+    raise NotYet(
+        f"step {t + 1} of a last test walk: {Action(action).name} from {place(maze, state)}, where "
+        f"{Action(other).name} is worth as much",
+        "your test walk guesses among equally good actions. The guess was lucky; asked again, the same table may fail. "
+        "Take the first of the best, `np.argmax(q_table[state])`.",
+        map_of(maze, state),
+    )
+
+
+_RULES = [(end, among) for end in (0, -1) for among in ("all", "fresh")]
+
+
+def _guess(training):
+    """For each rule the first step of the last walk that breaks it: (t, state, action, the rule's, maze) or None."""
+    table, _ = training.returned()
+    maze, walk, visited = training.maze, training.walks[-1], set()
+    found = [None] * len(_RULES)
+    for t, state, action, *_ in walk.steps():
+        visited.add(state)
+        fresh = [other for other in Action if (cell := ahead(maze, state, other)) is not None and cell not in visited]
+        for i, (end, among) in enumerate(_RULES):
+            actions = np.array(fresh if among == "fresh" and fresh else list(Action), int)
+            values = table[state, actions]
+            ruled = int(actions[np.flatnonzero(values == values.max())[end]])
+            if found[i] is None and ruled != action:
+                found[i] = t, state, action, ruled, maze
+    return found
 
 
 def _gives_up_in_time(call, seed):
@@ -194,16 +238,22 @@ stops_by_itself = Check(
         Trial("the number it returns", "the episodes played in `maze`", _counts_its_episodes),
         Trial(
             "the table it returns",
-            "the one that its test walks took the best actions of",
+            "its best actions, the first of equals, are those of the test walks",
             _returns_the_table_of_its_walks,
         ),
         Trial("`max_episodes = 3` in a large maze", "three episodes, and an end", _gives_up_in_time),
     ],
+    likely={
+        "out of bounds for axis": "your table does not fit this maze: the mazes differ in size. A table needs "
+        "`maze.observation_space.n` rows.",
+    },
     hints=[
         "Split it in two: one function that walks once, greedily, in `eval_maze` and says whether the mouse arrived, "
         "and one that plays an episode in `maze`, asks the first, and stops or goes on.",
         "The walk is over when `terminated or truncated`. It has arrived if `terminated` is true and "
-        "`info['bumped']` is false after the last step. Nothing is learned on it, and epsilon has no part in it.",
+        "`info['bumped']` is false after the last step. It takes `np.argmax(q_table[state])` each time: nothing is "
+        "learned on it, and epsilon has no part in it.",
+        "The table begins as `np.zeros((maze.observation_space.n, 4))`, so that it fits any maze. "
         "`for episodes in range(1, max_episodes + 1):` counts from 1, so that `episodes` is the number you return.",
         "After each `play_remembering(maze, q_table, rng)`: `if can_walk(eval_maze, q_table): break`. After the loop "
         "`return q_table, episodes`.",

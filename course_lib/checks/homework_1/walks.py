@@ -3,10 +3,11 @@
 import numpy as np
 
 from course_lib.checks.check import NotYet
-from course_lib.checks.homework_1.mazes import map_of, place
+from course_lib.checks.homework_1.mazes import map_of, place, table_that_knows_the_way
 from course_lib.checks.homework_1.memory import Choices, open_fresh_actions
 from course_lib.checks.learner import Fault, Kind, Seed
 from course_lib.checks.worlds import Watched
+from course_lib.maze import Action
 
 _LIMIT_OF_LESSON_3 = 1000  # steps; a learner may have kept it
 # When nothing is left to choose from.
@@ -33,6 +34,7 @@ def play(call, maze, table, seed, *, remembers=False, **limits):
         explain_fault(fault, world, remembers=remembers)
         raise
     check_not_too_long(world, "")
+    check_played(world)
     return world, returned
 
 
@@ -86,15 +88,18 @@ def check_not_too_long(world, came):
         )
 
 
+def check_played(world):
+    """At least one step was taken: who does nothing has not done it right."""
+    if not world.episodes:
+        raise NotYet("the maze was never reset", "your function does not begin an episode: call `maze.reset()` first.")
+    if not world.played:
+        raise NotYet("no step was taken", "your function returns before it has called `maze.step`.")
+
+
 def check_one_whole_episode(*worlds, remembers=False):
     """In each world one episode, until the world says that it is over. A reset that no step follows is let pass."""
     for world in worlds:
-        if not world.episodes:
-            raise NotYet(
-                "the maze was never reset", "your function does not begin an episode: call `maze.reset()` first."
-            )
-        if not world.played:
-            raise NotYet("no step was taken", "your function returns before it has called `maze.step`.")
+        check_played(world)
     unfinished = [world for world in worlds if not world.played[0].over]
     if unfinished:
         # One walk may have ended at its first bump by chance.
@@ -162,3 +167,26 @@ def check_arrived(world, *, lesson_limit_will_do=False):
         "until a fresh one is at hand, whatever the table says.",
         map_of(maze, episode.states[-1]),
     )
+
+
+def check_follows(call, mazes, seed, *, remembers=False):
+    """With tables that know the way, the steps are best ones, of those that the task allows, well above chance."""
+    best = number = by_chance = 0
+    for i, maze in enumerate(mazes):
+        table = table_that_knows_the_way(maze)
+        for episode in range(5):
+            world, _ = play(call, maze, table, 10 * (seed + i) + episode, remembers=remembers)
+            check_one_whole_episode(world, remembers=remembers)
+            for t, state, action, *_ in world.played[0].steps():
+                allowed = open_fresh_actions(maze, world.played[0], t) if remembers else list(Action)
+                are_best = table[state, allowed] >= table[state, allowed].max(initial=-np.inf) - 1e-6
+                if action in allowed and not are_best.all():
+                    number += 1
+                    by_chance += are_best.mean()
+                    best += are_best[allowed.index(action)]
+    if best < (number + by_chance) / 2:
+        raise NotYet(
+            f"where there was a choice, {best} of {number} steps were best ones; chance alone makes {by_chance:.0f}",
+            "your mouse does not follow its table: but for the steps on which it explores, it is to take the action "
+            "with the highest value of those that it may choose.",
+        )

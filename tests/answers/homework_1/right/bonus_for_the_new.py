@@ -84,8 +84,7 @@ def train(maze, eval_maze, rng, max_episodes):
         state, info = eval_maze.reset()
         done = False
         while not done:
-            best = np.flatnonzero(q_table[state] == q_table[state].max())
-            state, reward, terminated, truncated, info = eval_maze.step(rng.choice(best))
+            state, reward, terminated, truncated, info = eval_maze.step(np.argmax(q_table[state]))
             done = terminated or truncated
         can_walk = terminated and reward > 0
     return q_table, episodes

@@ -60,11 +60,10 @@ def play_remembering(maze, Q, rng):
         s = s_next
 
 
-def can_walk(eval_maze, Q, rng):
+def can_walk(eval_maze, Q):
     s, _ = eval_maze.reset()
     while True:
-        best = np.flatnonzero(Q[s] == Q[s].max())
-        s, r, end, clock, info = eval_maze.step(int(rng.choice(best)))
+        s, r, end, clock, info = eval_maze.step(Q[s].argmax())
         if end or clock:
             return bool(end) and not info["bumped"]
 
@@ -72,7 +71,7 @@ def can_walk(eval_maze, Q, rng):
 def train(maze, eval_maze, rng, max_episodes):
     Q = np.zeros((maze.rows * maze.columns, 4))
     episodes = 0
-    while not can_walk(eval_maze, Q, rng) and episodes < max_episodes:
+    while not can_walk(eval_maze, Q) and episodes < max_episodes:
         play_remembering(maze, Q, rng)
         episodes += 1
         print("episode", episodes, "done")

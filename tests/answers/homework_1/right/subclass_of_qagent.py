@@ -77,11 +77,12 @@ def play_remembering(maze, q_table, rng):
 
 def train(maze, eval_maze, rng, max_episodes):
     agent = QAgent(maze, seed=int(rng.integers(1000)))
-    tester = QAgent(eval_maze)
     for episode in range(max_episodes):
         agent.train(1)
-        tester.q_table = agent.q_table
-        rollout = tester.test()
-        if rollout.terminated and rollout.rewards[-1] > 0:
+        state, _ = eval_maze.reset()
+        terminated = truncated = False
+        while not (terminated or truncated):
+            state, reward, terminated, truncated, _ = eval_maze.step(agent.q_table[state].argmax())
+        if terminated and reward > 0:
             break
     return agent.q_table, episode + 1

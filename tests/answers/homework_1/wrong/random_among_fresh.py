@@ -1,0 +1,47 @@
+"""Any of the fresh cells will do, whatever the table says."""
+
+CHECK = "keeps_to_fresh_cells"
+SAYS = "does not follow its table"
+
+
+def update(q_table, state, action, reward, next_state, terminated, gamma=0.9, alpha=0.1):
+    target = reward
+    if not terminated:
+        target += gamma * q_table[next_state].max()
+    q_table[state, action] += alpha * (target - q_table[state, action])
+
+
+def ahead(maze, state, action):
+    row, column = maze.cell(state)
+    down, right = [(-1, 0), (1, 0), (0, -1), (0, 1)][action]
+    row, column = row + down, column + right
+    if 0 <= row < maze.rows and 0 <= column < maze.columns:
+        return maze.state(row, column)
+    return None
+
+
+def play_remembering(maze, q_table, rng):
+    state, info = maze.reset()
+    visited = {state, None}
+    walls = set()
+    path = [state]
+    steps = 0
+    while True:
+        fresh = [a for a in range(4) if ahead(maze, state, a) not in visited | walls]
+        if fresh:
+            action = int(rng.choice(fresh))
+        else:
+            path.pop()
+            action = next(a for a in range(4) if ahead(maze, state, a) == path[-1])
+        next_state, reward, terminated, truncated, info = maze.step(action)
+        steps += 1
+        update(q_table, state, action, reward, next_state, terminated)
+        if info["bumped"]:
+            walls.add(ahead(maze, state, action))
+        elif next_state not in visited:
+            visited.add(next_state)
+            path.append(next_state)
+        state = next_state
+        if terminated or truncated:
+            break
+    return steps

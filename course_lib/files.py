@@ -1,4 +1,4 @@
-"""Files that cannot run code: arrays and plain JSON settings in one safetensors file, written whole or not at all."""
+"""Files that cannot run code, written whole or not at all: arrays and plain JSON settings in one safetensors file."""
 
 import json
 import os
@@ -13,8 +13,15 @@ def save_arrays(path, arrays, settings, *, kind):
     """
     from safetensors.numpy import save
 
+    write_whole(path, save(arrays, metadata={"course_lib": kind, "settings": json.dumps(settings)}))
+
+
+def write_whole(path, content):
+    """Write the bytes `content` beside `path` and rename them into place: whole or not at all.
+
+    `ValueError` where `path` is a folder or in none.
+    """
     path = Path(path)
-    content = save(arrays, metadata={"course_lib": kind, "settings": json.dumps(settings)})
     if path.is_dir():
         raise ValueError(f"cannot save to {path}: it is a folder")
     if not path.parent.is_dir():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from course_lib import Action, Maze, Tile
 from course_lib.checks import homework_1
 from course_lib.checks.check import NotYet
-from course_lib.checks.homework_1 import learning, mazes
+from course_lib.checks.homework_1 import learning, mazes, task_3
 from course_lib.checks.homework_1.memory import Choices, needless_returns, open_fresh_actions
 from course_lib.checks.homework_1.training import Training
 from course_lib.checks.homework_1.walks import check_arrived, check_one_whole_episode
@@ -279,6 +279,34 @@ def test_a_table_and_a_number_in_any_form(value):
     table, number = Training(None, None, plain(value), 10).returned()
     assert table.shape == (4, 4)
     assert number == 2
+
+
+def test_what_is_no_table_and_number_has_no_number():
+    assert Training(None, None, None, 10).number is None
+
+
+def test_a_mouse_that_tests_before_it_trains_may_be_lucky():
+    grid = [[3, 0, 4]]
+    exam = watched_walk(Maze(grid), [RIGHTWARDS, RIGHTWARDS])
+    lucky = Training(Watched(Maze(grid, wall_ends_episode=False)), exam, (np.zeros((3, 4)), 0), 10)
+    task_3._check_it_trained_and_tested(lucky)
+    unlucky = Training(lucky.world, watched_walk(Maze(grid), [LEFT]), lucky.value, 10)
+    with pytest.raises(NotYet, match="no episode in `maze`"):
+        task_3._check_it_trained_and_tested(unlucky)
+
+
+def test_a_fault_in_a_later_episode_is_a_fault_and_no_memory():
+    calls = []
+
+    def slow_from_the_third_call_on(maze, q_table, rng):
+        calls.append(1)
+        while len(calls) > 2:
+            pass
+        return REFERENCE["play_remembering"](maze, q_table, rng)
+
+    verdict = homework_1.keeps_to_fresh_cells(slow_from_the_third_call_on, time_limit=0.3)
+    assert "still running after 0.3 seconds" in verdict.rows[0].came
+    assert "memory" not in verdict.rows[0].likely
 
 
 def test_a_mouse_that_gives_up_after_1000_steps_as_in_lesson_3_may_do_so_in_a_large_maze_only():

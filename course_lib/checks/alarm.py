@@ -77,8 +77,9 @@ class _ByThread:
                 # A ring may still be on its way. There is room for one: send another, and wait until it is here.
                 # (Taking it back is no way: Python 3.11 then hangs wherever a debugger is at work.)
                 self._ring()
-                while True:
-                    time.sleep(0)
+                waited_enough = time.monotonic() + 1
+                while time.monotonic() < waited_enough:
+                    pass
         except TimeIsUp:
             pass
 

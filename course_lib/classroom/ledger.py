@@ -5,10 +5,10 @@ import io
 import json
 import os
 import re
-import secrets
 from dataclasses import dataclass
-from pathlib import Path
 from urllib.parse import unquote
+
+from course_lib.files import write_whole
 
 NOTHING = "Nothing handed in."
 # Folders that programs leave behind.
@@ -155,19 +155,8 @@ def write_csv(path, rows):
     writer.writeheader()
     writer.writerows({name: _harmless(value) for name, value in row.items()} for row in rows)
     # With a byte order mark, without which Excel takes it for its own old encoding.
-    write_whole(Path(path), table.getvalue().encode("utf-8-sig", errors="replace"))
+    write_whole(path, table.getvalue().encode("utf-8-sig", errors="replace"))
 
 
 def _harmless(value):
     return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
-
-
-def write_whole(path, content):
-    """Write bytes beside `path` and rename them into place: whole or not at all."""
-    beside = path.with_name(f"{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        beside.write_bytes(content)
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise

@@ -135,8 +135,8 @@ def _begins_each_episode_afresh(call, seed):
         try:
             returned = call(world, table, Seed(seed + i))
         except Fault as fault:
-            if i and fault.kind is Kind.RAISED and call.kept.get("memory stays"):
-                raise NotYet(f"episode 1 went well; in episode {i + 1}: {fault}", _NOT_EMPTIED) from None
+            if fault.kind is Kind.RAISED and call.kept.get("memory stays"):
+                raise NotYet(f"in episode {i + 1}: {fault}", _NOT_EMPTIED) from None
             explain_fault(fault, world, remembers=True)
             raise
         check_not_too_long(world, "")

@@ -132,7 +132,7 @@ def test_every_kind_of_fault_is_a_row_and_never_points(kind):
 @pytest.mark.parametrize(
     ("words", "likely"),
     [
-        ("RecursionError: maximum recursion depth exceeded", "use a loop"),
+        ("RecursionError: maximum recursion depth exceeded", "Use a loop"),
         ("SystemExit: 0", "`return`"),
         ("AttributeError: this maze shows no 'grid': a mouse has no map", "asks for the map"),
         ("ValueError: no such cell", ""),

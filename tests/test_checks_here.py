@@ -354,6 +354,8 @@ def test_after_a_call_no_alarm_rings(on):
     def work():
         fault_of(runs_for_ever, time_limit=0.02)
         call(lambda: 1, time_limit=0.02)
+        if hasattr(signal, "getitimer"):
+            assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
         ends = time.monotonic() + 0.3
         while time.monotonic() < ends:
             sum(range(100))

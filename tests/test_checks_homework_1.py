@@ -12,9 +12,10 @@ from course_lib import Action, Maze, Tile
 from course_lib.checks import homework_1
 from course_lib.checks.check import NotYet
 from course_lib.checks.homework_1 import learning, mazes, task_3
-from course_lib.checks.homework_1.memory import Choices, needless_returns, open_fresh_actions
+from course_lib.checks.homework_1.memory import Choices, NeedlessReturn, needless_returns, open_fresh_actions
 from course_lib.checks.homework_1.training import Training
 from course_lib.checks.homework_1.walks import check_arrived, check_one_whole_episode
+from course_lib.checks.learner import Returned
 from course_lib.checks.plain import plain
 from course_lib.checks.worlds import Watched, World
 
@@ -98,6 +99,73 @@ def test_choices_add_up(seed):
             total.say()
     else:
         total.say()
+
+
+def needless(here, there, before=9, start=0):
+    return NeedlessReturn(Maze([[3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4]]), 3, here, there, before, start, Action.LEFT)
+
+
+@pytest.mark.parametrize(
+    ("returns", "number", "words"),
+    [
+        ([needless(5, 5)] * 3, 10, "beyond the edge"),
+        ([needless(5, 5)], 10, "only a few steps ignore the memory"),
+        ([needless(1, 0)] * 3, 10, "the start is missing from your mouse's memory: "),
+        ([needless(1, 0)] * 2, 10, "the start is missing from your mouse's memory, or the random step"),
+        ([needless(1, 0), needless(5, 5), needless(3, 4)], 100, "only a few steps ignore the memory"),
+        ([needless(1, 0), needless(5, 5), needless(3, 4)], 10, "no memory of the cells it came through"),
+        ([needless(1, 0), needless(3, 4)] * 3, 100, "remembers the last cells only"),
+        ([needless(1, 0), needless(3, 4), needless(3, 9)] * 3, 10, "no memory of the cells it came through"),
+    ],
+)
+def test_needless_returns_are_explained_by_all_of_them(returns, number, words):
+    choices = Choices(None, [])
+    choices.returns, choices.number = returns, number
+    with pytest.raises(NotYet) as finding:
+        choices.say()
+    assert words in finding.value.likely
+    with pytest.raises(NotYet) as finding:
+        choices.say("another cause.")
+    assert finding.value.likely == "another cause."
+
+
+def test_one_walk_that_ends_at_its_first_bump_may_do_so_by_chance():
+    grid = [[3, 0, 0, 1], [0, 0, 0, 4]]
+    at_bump, elsewhere = (watched_walk(Maze(grid, wall_ends_episode=False), [RIGHTWARDS] * steps) for steps in (3, 2))
+    with pytest.raises(NotYet, match="after a bump"):
+        check_one_whole_episode(at_bump)
+    with pytest.raises(NotYet) as finding:
+        check_one_whole_episode(at_bump, elsewhere)
+    assert "stops before the world says" in finding.value.likely
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ((3, 3), None),
+        ((3.0, 3), None),
+        ((None, None), "ends without `return`"),
+        ((2, 2), "the index of the last step"),
+        ((2, 1), "something else than the number"),
+        ((True, True), "something else than the number"),
+        (("3", "3"), "something else than the number"),
+    ],
+)
+def test_what_a_mouse_counted_is_explained_by_all_its_walks(values, words):
+    worlds = [watched_walk(Maze([[3, 0, 0, 4]], wall_ends_episode=False), [RIGHTWARDS] * 3) for _ in values]
+    played = [(world, Returned(value, ())) for world, value in zip(worlds, values, strict=True)]
+    if words is None:
+        learning.check_steps(played)
+        return
+    with pytest.raises(NotYet) as finding:
+        learning.check_steps(played)
+    assert words in finding.value.likely
+
+
+def test_true_is_no_number_of_steps():
+    world = watched_walk(Maze([[3, 4]], wall_ends_episode=False), [RIGHTWARDS])
+    with pytest.raises(NotYet, match="True after 1 steps"):
+        learning.check_steps([(world, Returned(True, ()))])
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
@@ -201,8 +269,8 @@ def test_a_table_that_loves_walls_wants_to_bump_wherever_it_can():
 
 def test_a_map_shows_the_mouse():
     maze = Maze([[3, 1], [0, 4]])
-    assert mazes.map_of(maze) == "S #\n. G\nS start, G cheese, # wall"
-    assert mazes.map_of(maze, 2) == "S #\nM G\nS start, G cheese, # wall, M the mouse"
+    assert mazes.map_of(maze).startswith("S #\n. G\nS start, G cheese, # wall\n")
+    assert mazes.map_of(maze, 2).startswith("S #\nM G\nS start, G cheese, # wall, M the mouse\n")
     assert mazes.place(maze, 2) == "row 1, column 0"
 
 

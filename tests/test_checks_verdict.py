@@ -66,7 +66,7 @@ def test_the_outcome_and_the_points_of_rows(rows, outcome, points):
 def test_every_form_of_it_says_the_same():
     verdict = Verdict("Task", (PASSED, NOT_YET), "Stuck? Run `checks.walks.hint()`.", "step 1\nstep 2")
     for text in (repr(verdict), Reader(verdict.html()).text):
-        for words in ("✓ passed", "✗ not yet", "a small maze", "Expected: one walk", "Came: two walks"):
+        for words in ("✓ passed", "✗ not yet", "a small maze", "Expected: one walk", "Got: two walks"):
             assert words.replace("✓ passed", "✓") in text
         assert "It looks as if your loop goes on." in text
         assert "S . G\n" in text

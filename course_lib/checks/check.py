@@ -125,7 +125,7 @@ class Check:
     def _likely(self, fault):
         words = str(fault)
         if words.startswith("RecursionError"):
-            return "your function calls itself at every step, and Python allows about 1000 such calls: use a loop."
+            return "a function in your code calls itself too often: Python allows about 1000 such calls. Use a loop."
         if words.startswith("SystemExit"):
             return "your code ends the whole program, by `exit()` or the like: use `return`."
         if "this maze shows no" in words:

@@ -38,7 +38,7 @@ class Row:
         """(name, words) of what there is to say about a row that did not pass."""
         if self.outcome is not Outcome.NOT_YET:
             return []
-        named = [("Expected", self.expected), ("Came", self.came), ("It looks as if", self.likely)]
+        named = [("Expected", self.expected), ("Got", self.came), ("It looks as if", self.likely)]
         return [(name, _printable(words)) for name, words in named if words]
 
 
@@ -71,7 +71,7 @@ class Verdict:
     @property
     def _closing(self):
         if self.passed:
-            return "Public checks passed: on to the next task. (If your homework is graded, hidden checks may follow.)"
+            return "Public checks passed: go on below. (If your homework is graded, hidden checks may follow.)"
         if self.outcome is Outcome.NOT_STARTED:
             return (
                 "Write your code in the cell above, run that cell, then run this one again. If it is written already: "

@@ -2,7 +2,7 @@
 
     python tests/benchmarks/checks.py
 
-The answers are the right ones of `tests/answers`, since a wrong one is done sooner, or runs into the limit of its calls.
+The answers are the right ones of `tests/answers`: a wrong one is done sooner, or runs into the limit of its calls.
 """
 
 import runpy
@@ -35,8 +35,8 @@ def check_all(answer, seed=0):
 
 def main(repeats=5, answers=None):
     answers = answers or whole_answers()
-    taken = medians({name: lambda answer=answer: seconds(lambda: check_all(answer)) for name, answer in answers.items()},
-                    repeats)  # fmt: skip
+    runs = {name: lambda answer=answer: seconds(lambda: check_all(answer)) for name, answer in answers.items()}
+    taken = medians(runs, repeats)
     slowest = max(taken, key=taken.get)
     rows = [("answer", "seconds", f"of the {LIMIT:g} s allowed")]
     rows += [

@@ -1,5 +1,6 @@
 """That each benchmark runs, at a tiny size, and that all programs in it come to the same result. Nothing about time."""
 
+import checks
 import planning
 import pytest
 import q_learning
@@ -47,6 +48,13 @@ def test_q_learning_prints_its_table(capsys):
 def test_planning_prints_its_tables(capsys):
     planning.main(side=20, quantecon_side=10, repeats=1, quantecon_repeats=1)
     assert "slip 0.2" in capsys.readouterr().out
+
+
+def test_checks_prints_its_table(capsys):
+    answers = checks.whole_answers()
+    assert len(answers) > 5
+    checks.main(repeats=1, answers={checks.REFERENCE: answers[checks.REFERENCE]})
+    assert f"the reference, {checks.REFERENCE}" in capsys.readouterr().out
 
 
 def test_startup_prints_its_tables(capsys):

@@ -35,7 +35,10 @@ def table_after(returned, before):
             "your function changes the form of the table: only its numbers are to change.",
         )
     if not np.isfinite(after).all():
-        raise NotYet("the table holds numbers that are infinite or NaN (no number)", "the update divides or overflows.")
+        raise NotYet(
+            "the table holds numbers that are infinite or NaN (no number)",
+            "a line of your code divides by zero, or lets the numbers grow without end.",
+        )
     return after
 
 

@@ -114,8 +114,9 @@ def place(maze, state):
 def map_of(maze, mouse=None):
     """The maze as text, the mouse where it was when something went wrong."""
     tiles = [list(row) for row in np.array([".", "#", "?", "S", "G"])[maze.grid]]
+    legend = "S start, G cheese, # wall"
     if mouse is not None:
         row, column = maze.cell(mouse)
+        legend += ", M the mouse" if tiles[row][column] != "S" else ", M the mouse, on the start"
         tiles[row][column] = "M"
-    legend = "S start, G cheese, # wall" + (", M the mouse" if mouse is not None else "")
-    return "\n".join([" ".join(row) for row in tiles] + [legend])
+    return "\n".join([" ".join(row) for row in tiles] + [legend, "rows and columns count from 0"])

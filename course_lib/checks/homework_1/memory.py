@@ -38,7 +38,7 @@ def needless_returns(maze, episode):
 
 
 @dataclass(frozen=True)
-class Returned:
+class NeedlessReturn:
     """A needless return: step t of an episode led from `here` to `there`, a cell that was visited before."""
 
     maze: object
@@ -117,6 +117,6 @@ class Choices:
 
 def _returned(maze, episode, t):
     before = next((state for state in reversed(episode.states[:t]) if state != episode.states[t]), None)
-    return Returned(
+    return NeedlessReturn(
         maze, t, episode.states[t], episode.states[t + 1], before, episode.states[0], Action(episode.actions[t])
     )

@@ -16,10 +16,14 @@ from course_lib.checks.learner import Fault
 from course_lib.maze import Action, Maze
 
 MISTAKES_WITH_CHOICES = {
-    "'set' object is not subscriptable": "`choose` is given a set. It wants a list of actions.",
+    "'set' object is not subscriptable": "a set is used like a list. If it is what you give to `choose`: "
+    "it wants a list of actions.",
+    "'float' object has no attribute 'random'": "a number was given where `rng` belongs. The order is "
+    "`choose(q_table, state, rng, actions)`.",
     "empty sequence|[Cc]annot choose from an empty|must be non-empty": "no action is left to choose from. Are bumps of "
     "an earlier episode, or of another cell, still in the memory?",
-    "out of bounds for axis": "your code expects a maze of another size: a table has a row a state.",
+    "out of bounds for axis 1 with size 4": "an action is too large: there are four, numbered from 0 to 3.",
+    "out of bounds for axis 0": "your code expects a maze of another size: a table has one row for each state.",
 }
 
 
@@ -76,14 +80,14 @@ def _tries_another_action(call, seed):
         worlds += [
             play(call, maze, table, seed + i)[0] for table in (table_that_loves_walls(maze, seed + i), blank(maze))
         ]
-    again = [bump for world in worlds for episode in world.episodes for bump in _second_bumps(world.maze, episode)]
+    again = [bump for world in worlds for episode in world.episodes for bump in second_bumps(world.maze, episode)]
     if again:
         at_once = [bump for bump in again if bump[-1] == bump[-2] + 1]
-        _say_bumped_again(*(at_once or again)[0], at_once=bool(at_once))
+        say_bumped_again(*(at_once or again)[0], at_once=bool(at_once))
     check_one_whole_episode(*worlds)
 
 
-def _second_bumps(maze, episode):
+def second_bumps(maze, episode):
     """(maze, state, action, t of one bump, t of the next) of each bump into a wall that had been bumped into."""
     bumped = {}
     for t, state, action, _, _, bump in episode.steps():
@@ -93,7 +97,8 @@ def _second_bumps(maze, episode):
             bumped[state, action] = t
 
 
-def _say_bumped_again(maze, state, action, before, now, *, at_once):
+def say_bumped_again(maze, state, action, before, now, *, at_once):
+    """Raise `NotYet` about the second of two bumps."""
     came = f"steps {before + 1} and {now + 1}: {Action(action).name} from {place(maze, state)}, a bump both times"
     likely = "your mouse forgets its bumps when it tries another action or leaves the cell (remember them until the "
     likely += "episode is over), or its random step does not look at them."
@@ -122,7 +127,7 @@ goes_on_after_a_bump = Check(
     trials=[
         Trial(
             "mazes full of walls, and stairs",
-            "one reset, then steps, bumps and all, to the cheese",
+            "one reset, then steps until the cheese; a bump does not end the walk",
             _walks_on_to_the_cheese,
         ),
         Trial("a clock that stops the episode after 15 steps", "no step after that", _heeds_the_clock),
@@ -131,9 +136,11 @@ goes_on_after_a_bump = Check(
             "in one episode, no second bump into the same wall from the same cell",
             _tries_another_action,
         ),
-        Trial("tables that know the way", "most steps are best ones", _follows_its_table),
-        Trial("a table full of numbers", "after each step, a bump too, lesson 3's update", _learns_from_every_step),
-        Trial("what it returns", "the number of steps", _counts_its_steps),
+        Trial("tables that know the way", "most steps take the best action", _follows_its_table),
+        Trial(
+            "tables of random numbers", "lesson 3's update after every step, also after a bump", _learns_from_every_step
+        ),
+        Trial("what it returns", "the number of all steps, bumps included", _counts_its_steps),
     ],
     likely=MISTAKES_WITH_CHOICES,
     hints=[

@@ -8,10 +8,11 @@ from course_lib.checks.homework_1.mazes import (
     corridor,
     labyrinth,
     random_table,
+    table_that_loves_walls,
     table_that_turns_back,
 )
-from course_lib.checks.homework_1.memory import Choices
-from course_lib.checks.homework_1.task_1 import MISTAKES_WITH_CHOICES
+from course_lib.checks.homework_1.memory import Choices, open_fresh_actions
+from course_lib.checks.homework_1.task_1 import MISTAKES_WITH_CHOICES, say_bumped_again, second_bumps
 from course_lib.checks.homework_1.walks import (
     check_arrived,
     check_follows,
@@ -56,6 +57,7 @@ def _leaves_visited_cells(call, seed):
         seen.say(_ROWS_FOR_COLUMNS)
     square.add(seen)
     square.say()
+    _heeds_known_walls(call, seed)
 
 
 def _check_does_as_well_again(call, maze, seed):
@@ -102,6 +104,18 @@ def _oblong_mazes(seed):
 def _with_tables(mazes, seed):
     """Each maze with an empty table, and with one that would rather turn back."""
     return [(maze, table) for maze in mazes for table in (blank(maze), table_that_turns_back(maze, seed))]
+
+
+def _heeds_known_walls(call, seed):
+    """Where a fresh cell is at hand; in a dead end only the way out counts."""
+    again = []
+    for i, maze in enumerate(bumpy_mazes(seed)):
+        world, _ = play(call, maze, table_that_loves_walls(maze, seed + i), seed + i, remembers=True)
+        for episode in world.played:
+            again += [bump for bump in second_bumps(maze, episode) if open_fresh_actions(maze, episode, bump[-1])]
+    if again:
+        at_once = [bump for bump in again if bump[-1] == bump[-2] + 1]
+        say_bumped_again(*(at_once or again)[0], at_once=bool(at_once))
 
 
 def _gets_out_of_dead_ends(call, seed):
@@ -172,7 +186,7 @@ keeps_to_fresh_cells = Check(
     trials=[
         Trial(
             "many mazes, and tables that would rather turn back",
-            "no visited cell while a fresh one is at hand",
+            "no visited cell and no known wall, while a fresh cell is at hand",
             _leaves_visited_cells,
         ),
         Trial(
@@ -182,7 +196,7 @@ keeps_to_fresh_cells = Check(
         ),
         Trial("forks behind a dead end", "the visited cells are still known there", _remembers_after_a_dead_end),
         Trial("ten episodes in the same maze", "each begins with an empty memory", _begins_each_episode_afresh),
-        Trial("tables that know the way", "most steps are best ones of the fresh", _follows_its_table),
+        Trial("tables that know the way", "most steps take the best of the fresh actions", _follows_its_table),
         Trial(
             "a clock, the table, and what it returns",
             "as in task 1: an end when truncated, lesson 3's update, the number of steps",

@@ -5,11 +5,12 @@ import numpy as np
 from course_lib.checks.check import Check, NotYet, Trial
 from course_lib.checks.homework_1.mazes import ahead, blank, map_of, place
 from course_lib.checks.homework_1.training import train
-from course_lib.checks.plain import described
+from course_lib.checks.plain import counted, described
 from course_lib.maze import LESSON_GRID, Action, Maze, Tile
 
 _SHAPES = ((3, 4), (4, 3), (4, 4), (3, 5))
 _MOST_EPISODES = 300
+_TESTS_IN_MAZE = "your mouse walks its test in `maze`. There a bump ends nothing; `eval_maze` is for the test."
 _GOES_ON = "your loop goes on although the mouse can walk to the cheese: stop at the first walk that succeeds."
 
 
@@ -33,7 +34,8 @@ def _stops_when_it_can_walk(call, seed):
         if arrived and episodes[-1].began > arrived[0]:
             played = sum(episode.began < arrived[0] for episode in episodes)
             raise NotYet(
-                f"the mouse walked to the cheese after {played} episodes, but trained for {len(episodes)}", _GOES_ON
+                f"the mouse walked to the cheese after {counted(played, 'episode')}, but trained for {len(episodes)}",
+                _GOES_ON,
             )
         if not arrived:
             _say_why_it_stopped(training)
@@ -61,13 +63,13 @@ def _check_it_trained_and_tested(training):
         return
     likely = "`eval_maze` was not used: it is there for the test walk, after every episode."
     if len(episodes) == 2 * (training.number or 0):
-        likely = "your mouse walks its test in `maze`. There a bump ends nothing; `eval_maze` is for the test."
+        likely = _TESTS_IN_MAZE
     elif len(episodes) < training.max_episodes and episodes[-1].reached_the_cheese:
         likely = (
             "your training stops at the first episode that reaches the cheese. That may be luck, the mouse was still "
             "exploring: let it walk greedily in `eval_maze` to be sure."
         )
-    raise NotYet(f"{len(episodes)} episodes without a walk in `eval_maze`", likely, here)
+    raise NotYet(f"{counted(len(episodes), 'episode')} without a walk in `eval_maze`", likely, here)
 
 
 def _say_why_it_stopped(training):
@@ -75,26 +77,27 @@ def _say_why_it_stopped(training):
     here, where = map_of(training.maze, last.states[-1]), place(training.maze, last.states[-1])
     if number >= training.max_episodes:
         raise NotYet(
-            f"no test walk reached the cheese in {number} episodes of training",
-            "your mouse learns nothing that it can walk by: is it one and the same table in all episodes and on the "
-            "test walk, and does the test walk take the best action of each row?",
+            f"no test walk reached the cheese in {counted(number, 'episode')} of training",
+            "your mouse learns nothing that it can walk by. Does its table begin with zeros, is it the same in all "
+            "episodes and on the test walk, and does the test walk take the best action of each row?",
             here,
         )
+    stopped = f"stopped after {counted(number, 'episode')}; the last test walk"
     if last.truncated:
         raise NotYet(
-            f"stopped after {number} episodes; the last test walk was truncated after {len(last)} steps, in {where}",
+            f"{stopped} was truncated after {len(last)} steps, in {where}",
             "your function takes `truncated` for an arrival. The clock had stopped that walk, far from the cheese.",
             here,
         )
     if last.terminated:
         raise NotYet(
-            f"stopped after {number} episodes; the last test walk hit a wall from {where}",
+            f"{stopped} hit a wall from {where}",
             "your function takes every `terminated` for an arrival. In `eval_maze` a bump terminates too: look at the "
             "reward, or at `info['bumped']`.",
             here,
         )
     raise NotYet(
-        f"stopped after {number} episodes; the last test walk broke off after {len(last)} steps, in {where}",
+        f"{stopped} broke off after {len(last)} steps, in {where}",
         "your training stops although the mouse has not reached the cheese on its test walk.",
         here,
     )
@@ -126,7 +129,9 @@ def _check_counts(trainings):
     numbers, played = [training.number for training in wrong], [len(training.episodes) for training in wrong]
     with_walks = [len(training.episodes) + len(training.walks) for training in wrong]
     likely = "your function returns something else than the number of episodes."
-    if numbers == [number - 1 for number in played]:
+    if all(not training.walks and len(training.episodes) == 2 * training.number for training in wrong):
+        likely = _TESTS_IN_MAZE
+    elif numbers == [number - 1 for number in played]:
         likely = "your count begins at 0: after the first episode it must say 1."
     elif numbers == [number + 1 for number in played]:
         likely = "you count one more before you look whether the mouse can walk."
@@ -134,7 +139,7 @@ def _check_counts(trainings):
         likely = "you count the test walks too: only episodes in `maze` are training."
     elif numbers == [training.world.steps for training in wrong]:
         likely = "you count steps, not episodes."
-    raise NotYet(f"{described(numbers[0])}; {played[0]} episodes were played in `maze`", likely)
+    raise NotYet(f"{described(numbers[0])}; {counted(played[0], 'episode')} in `maze`", likely)
 
 
 def _returns_the_table_of_its_walks(call, seed):
@@ -216,15 +221,14 @@ def _gives_up_in_time(call, seed):
     maze = Maze.random(7, 7, walls=0.25, seed=seed)
     training = train(call, maze.grid.tolist(), seed, 3)
     played = len(training.episodes)
+    _check_it_trained_and_tested(training)
     if played > 3:
-        raise NotYet(
-            f"{played} episodes with max_episodes = 3",
-            "your loop runs until the mouse can walk, however long that takes: it is to give up after `max_episodes`.",
-        )
+        likely = "your loop runs until the mouse can walk, however long that takes: it is to give up after "
+        likely += "`max_episodes`."
+        raise NotYet(f"{counted(played, 'episode')} with max_episodes = 3", likely)
     if played < 3 and not any(walk.reached_the_cheese for walk in training.walks):
-        raise NotYet(
-            f"{played} episodes with max_episodes = 3", "your loop stops too early: the mouse could not walk yet."
-        )
+        likely = "your loop stops before `max_episodes`, although no walk in `eval_maze` has reached the cheese."
+        raise NotYet(f"{counted(played, 'episode')} with max_episodes = 3", likely)
     _check_counts([training])
 
 
@@ -244,7 +248,7 @@ stops_by_itself = Check(
         Trial("`max_episodes = 3` in a large maze", "three episodes, and an end", _gives_up_in_time),
     ],
     likely={
-        "out of bounds for axis": "your table does not fit this maze: the mazes differ in size. A table needs "
+        "out of bounds for axis 0": "your table does not fit this maze: the mazes differ in size. A table needs "
         "`maze.observation_space.n` rows.",
     },
     hints=[

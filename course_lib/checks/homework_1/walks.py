@@ -52,7 +52,7 @@ def explain_fault(fault, world, *, remembers=False):
             f"in a dead end ({place(world.maze, here)}): {fault}",
             "your code does not expect a dead end, where nothing fresh is left: say what the mouse does there."
             if nothing_was_left(fault)
-            else "",
+            else "something goes wrong where nothing fresh is left: look at what your code does there.",
             map_of(world.maze, here),
         ) from None
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "goes_on_after_a_bump"
-SAYS = "divides or overflows"
+SAYS = "divides by zero"
 
 
 def update(q_table, state, action, reward, next_state, terminated, gamma=0.9, alpha=0.1):

@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "stops_by_itself"
-SAYS = "your loop stops too early"
+SAYS = "your loop stops before"
 
 
 def update(q_table, state, action, reward, next_state, terminated, gamma=0.9, alpha=0.1):

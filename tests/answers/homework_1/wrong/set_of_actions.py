@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "goes_on_after_a_bump"
-SAYS = "It wants a list of actions"
+SAYS = "it wants a list of actions"
 
 
 def update(q_table, state, action, reward, next_state, terminated, gamma=0.9, alpha=0.1):

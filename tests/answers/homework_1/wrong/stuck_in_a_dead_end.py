@@ -1,4 +1,4 @@
-"""Forgets the walls that it bumped into, so in a dead end the wall is always fresh."""
+"""In a dead end the walls around it, which it has not visited, are tried for ever."""
 
 import numpy as np
 
@@ -40,13 +40,17 @@ def play_remembering(maze, q_table, rng):
         if fresh:
             action = choose(q_table, state, fresh, rng)
         else:
-            path.pop()
-            action = next(a for a in range(4) if ahead(maze, state, a) == path[-1])
+            unvisited = [a for a in range(4) if ahead(maze, state, a) not in visited]
+            if unvisited:
+                action = choose(q_table, state, unvisited, rng)
+            else:
+                path.pop()
+                action = next(a for a in range(4) if ahead(maze, state, a) == path[-1])
         next_state, reward, terminated, truncated, info = maze.step(action)
         steps += 1
         update(q_table, state, action, reward, next_state, terminated)
         if info["bumped"]:
-            pass
+            walls.add(ahead(maze, state, action))
         elif next_state not in visited:
             visited.add(next_state)
             path.append(next_state)

@@ -3,9 +3,8 @@
 from importlib.util import find_spec
 
 import pytest
+from browser.lab import find_browser, open_browser
 from nbformat.v4 import new_markdown_cell
-
-from tests.browser.lab import find_browser, open_browser
 
 from .school import HOMEWORK, hand_in
 

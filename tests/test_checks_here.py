@@ -150,13 +150,13 @@ def left_over(maze):
     raise NotImplementedError
 
 
-def helper():
+def another():
     raise NotImplementedError
 
 
-def calls_a_helper(maze):
+def calls_another(maze):
     maze.reset()
-    return helper()
+    return another()
 
 
 def test_what_is_not_written():
@@ -164,9 +164,9 @@ def test_what_is_not_written():
     assert fault_of(not_started, maze).kind is Kind.NOT_STARTED
     assert fault_of(Unfinished(), maze).kind is Kind.NOT_STARTED
     assert fault_of(left_over, maze).kind is Kind.LEFT_OVER
-    fault = fault_of(calls_a_helper, maze)
+    fault = fault_of(calls_another, maze)
     assert fault.kind is Kind.RAISED
-    assert str(fault) == "`helper`, which your code calls, is not written yet: it raises NotImplementedError"
+    assert str(fault) == "`another`, which your code calls, is not written yet: it raises NotImplementedError"
 
 
 @pytest.mark.parametrize(

@@ -93,6 +93,8 @@ class LearnerProcess:
         try:
             if "fault" in said:
                 kind, words = said["fault"]
+                if kind == Kind.TIME_UP:  # it may have been stopped between a question and its answer
+                    self.close()
                 raise Fault(Kind(kind), str(words)[:600])
             value, arrays = said["returned"]
             were_arrays = [isinstance(argument, np.ndarray) for argument in arguments]

@@ -166,6 +166,18 @@ def test_what_ends_a_process_ends_in_time(tmp_path, source, kind):
         assert time.monotonic() - began < 20  # not for ever; how fast is not the point
 
 
+def test_a_call_that_was_stopped_leaves_no_answer_behind(tmp_path):
+    source = "def walk(maze):\n    maze.reset()\n    while True: maze.step(0)\ndef add(x): return x + 1"
+    with Session(tmp_path, QUICK) as session:
+        session.run(source)
+        for _ in range(5):
+            world = Watched(Maze(LESSON_GRID), time_limit=10**9, max_steps=10**9)
+            with pytest.raises(Fault) as caught:
+                There("walk", session.process).call(world, time_limit=0.05)
+            assert caught.value.kind is Kind.TIME_UP
+            assert There("add", session.process)(1) == 2
+
+
 def test_a_program_left_behind_holds_nothing_up(tmp_path):
     source = (
         "import os, time\n"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-bumped_ever = set()  # of the whole session, on purpose never looked at
+bumped_ever = set()  # in all games, on purpose never looked at
 
 
 def show(maze, state, steps):

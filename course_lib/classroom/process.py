@@ -36,7 +36,7 @@ class LearnerProcess:
     """One child process in `folder`, which it may write in, that runs cells and calls functions. A context manager.
 
     Whatever ends it early (its own doing, or ours when it oversteps a limit) appears as a `Fault` of kind DIED or
-    TIME_UP, and `alive` is false from then on.
+    TIME_UP, and `alive` is false from then on. `RuntimeError` where it does not even start, which is not their fault.
     """
 
     def __init__(self, folder, limits=Limits()):
@@ -61,7 +61,10 @@ class LearnerProcess:
         self._received = bytearray()
         threading.Thread(target=self._drain, daemon=True).start()
         self._deadline = time.monotonic() + _START_SECONDS
-        self._hear()
+        try:
+            self._hear()
+        except Fault as fault:  # no code of the learner's has run yet
+            raise RuntimeError(f"a process for the learner's code did not start: {fault}") from None
 
     def __enter__(self):
         return self

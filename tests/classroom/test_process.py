@@ -1,6 +1,7 @@
 """A learner's code in a process of its own: what it may do, what ends it, and that nothing it says is believed."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -194,6 +195,12 @@ def test_memory_has_a_limit(tmp_path):
     with LearnerProcess(tmp_path, Limits(time_limit=20.0, memory_limit=1_500_000_000)) as process:
         assert process.run("hog = bytearray(2_000_000_000)")[1].startswith("MemoryError")
         assert process.run("hog = []\nwhile True: hog.append(bytearray(100_000_000))")[1].startswith("MemoryError")
+
+
+def test_a_process_that_does_not_start_is_nobodys_fault(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "executable", shutil.which("false"))
+    with pytest.raises(RuntimeError, match="did not start"):
+        LearnerProcess(tmp_path, QUICK)
 
 
 def test_files_have_a_limit(tmp_path):

@@ -68,7 +68,7 @@ def imports_of_checks(source):
 
 
 def judged(source, imports, session, points):
-    """The output of a check cell that is worth `points`: nbgrader reads the score from its plain text."""
+    """The output of a check cell worth `points`: nbgrader reads the score from its plain text; an error is worth 0."""
     names = _Names(session)
     for line in imports:
         exec(line, names.builtins, names)
@@ -82,7 +82,13 @@ def judged(source, imports, session, points):
     if isinstance(value, Verdict):
         score = points * value.points / value.max_points
         return new_output("execute_result", {"text/plain": repr(score), "text/html": value.html()}, execution_count=1)
-    score = min(max(0.0, float(value)), points) if isinstance(value, (int, float)) else points
+    if isinstance(value, There):
+        return _outputs("", f"NameError: {value.name} is neither defined by this check cell nor called")[0]
+    score = points  # as in nbgrader: a cell that raises nothing, and ends in no number, has passed
+    if isinstance(value, bool):
+        score = points * value
+    elif isinstance(value, (int, float)):
+        score = min(max(0.0, float(value)), points)
     return new_output("execute_result", {"text/plain": repr(score)}, execution_count=1)
 
 

@@ -22,11 +22,12 @@ _HOME_OF = {
     "evaluate_policy": "bellman",
     "policy_iteration": "bellman",
     "value_iteration": "bellman",
+    "DQNAgent": "dqn",
     "QAgent": "q_table",
     "History": "history",
     "Rollout": "history",
 }
-_MODULES = ("bellman", "history", "maze", "mdp", "plots", "q_table")
+_MODULES = ("bellman", "dqn", "history", "maze", "mdp", "plots", "q_table")
 
 __all__ = sorted([*_HOME_OF, *_MODULES])
 

@@ -5,6 +5,8 @@ import os
 import secrets
 from pathlib import Path
 
+import numpy as np
+
 
 def save_arrays(path, arrays, settings, *, kind):
     """Write `arrays` {name: array} and `settings` (plain JSON) to `path`, beside it first and then renamed into place.
@@ -57,3 +59,10 @@ def load_arrays(path, *, kind):
     if not ours:
         raise ValueError(f"{path} is not a saved {kind}: it holds {metadata.get('course_lib', 'something else')!r}")
     return arrays, settings
+
+
+def generator_in(state):
+    """The generator in that state, as `bit_generator.state` gave it; `ValueError`, `TypeError`, `KeyError` if wrong."""
+    bits = np.random.PCG64()
+    bits.state = state
+    return np.random.Generator(bits)

@@ -1,22 +1,15 @@
 """Learn in an unknown world, with a table: Q-learning (Watkins, 1989; Sutton & Barto, 2nd ed., section 6.5)."""
 
-from dataclasses import dataclass
-
 import gymnasium
 import numpy as np
 
 from course_lib.choice import epsilon_greedy, random_argmax
-from course_lib.files import load_arrays, save_arrays
+from course_lib.files import generator_in, load_arrays, save_arrays
 from course_lib.history import History, Rollout
-from course_lib.mdp import MDP
+from course_lib.table_world import TableWorld
 from course_lib.validate import fraction, number, whole_number
 
 _STEPS_BETWEEN_LOOKS = 1_000_000  # compiled steps before Python gets a look in, to move a bar or to be interrupted
-_NO_MORE_THAN_TIMING = (
-    gymnasium.wrappers.TimeLimit,
-    gymnasium.wrappers.OrderEnforcing,
-    gymnasium.wrappers.PassiveEnvChecker,
-)
 
 
 class QAgent:
@@ -67,14 +60,14 @@ class QAgent:
         records = _Records(whole_number("num_episodes", num_episodes))
         max_steps = whole_number("max_steps", max_steps, at_least=1)
         self._check_tables()
-        world = _TableWorld.of(self.env)
+        world = TableWorld.of(self.env)
         bar = _bar(num_episodes) if progress else None
         try:
             while records.done < num_episodes:
                 if world is None:
                     self._play_in_python(records, max_steps)
                 else:
-                    world.play(self, records, max_steps)
+                    _play_compiled(world, self, records, max_steps)
                 if bar is not None:
                     bar.update(records.done - bar.n)
         finally:
@@ -118,7 +111,7 @@ class QAgent:
         shape = _table_shape(env)
         try:
             q_table, visits = arrays["q_table"].astype(float), arrays["visits"].astype(np.int64)
-            rng, env_rng = _generator(settings["rng"]), _generator(settings["env_rng"])
+            rng, env_rng = generator_in(settings["rng"]), generator_in(settings["env_rng"])
             agent_settings = {name: settings["agent"][name] for name in _SETTINGS}
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise ValueError(f"{path} is not a saved QAgent: missing or of another form is {error!r}") from None
@@ -184,13 +177,6 @@ def _table_shape(env):
     return int(env.observation_space.n), int(env.action_space.n)
 
 
-def _generator(state):
-    """The generator in that state, as `bit_generator.state` gave it."""
-    bits = np.random.PCG64()
-    bits.state = state
-    return np.random.Generator(bits)
-
-
 class _Records:
     """Room for the episodes of one `train`, filled as they end."""
 
@@ -215,70 +201,24 @@ class _Records:
         return History(self.returns[: self.done], self.lengths[: self.done], terminated, ~terminated)
 
 
-@dataclass(frozen=True)
-class _TableWorld:
-    """An environment whose every step is a draw from a table that we have, so that it can be played compiled."""
+def _play_compiled(world, agent, records, max_steps):
+    """About a million steps; a mid-episode stop is carried in `records`."""
+    from course_lib import kernels
 
-    env: gymnasium.Env
-    mdp: MDP
-    start: np.ndarray  # float64[1, 1, S] probabilities, or one entry: the state every episode begins in
-    draw_always: bool  # toy-text worlds draw a number even where only one thing can happen
-    time_limit: int | None
-
-    @classmethod
-    def of(cls, env):
-        """The table world that `env` is, or None: a subclass, a patched step or a wrapper may play by other rules."""
-        time_limit, layer = None, env
-        while isinstance(layer, gymnasium.Wrapper):
-            if type(layer) not in _NO_MORE_THAN_TIMING or _is_patched(layer):
-                return None
-            if isinstance(layer, gymnasium.wrappers.TimeLimit):
-                limit = layer._max_episode_steps
-                time_limit = limit if time_limit is None else min(limit, time_limit)
-            layer = layer.env
-        if _is_patched(layer) or getattr(layer, "render_mode", None) == "human":  # somebody watches every step
-            return None
-        if _is_maze(layer):
-            return cls(env, layer.mdp, np.full((1, 1, 1), float(layer.start)), False, time_limit)
-        if _is_toy_text(layer):
-            start = np.append(layer.initial_state_distrib, 0.0)  # never a single entry, which would mean a state
-            return cls(env, MDP.from_gymnasium(layer), start[None, None], True, time_limit)
-        return None
-
-    def play(self, agent, records, max_steps):
-        """About a million steps; a mid-episode stop is carried in `records`."""
-        from course_lib import kernels
-
-        if self.time_limit is not None:
-            max_steps = min(max_steps, self.time_limit)
-        mdp, done = self.mdp, records.done
-        try:
-            agent.epsilon = kernels.q_learning(
-                agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
-                self.start, self.draw_always, agent.rng, self.env.unwrapped.np_random,
-                agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
-                max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
-            )  # fmt: skip
-        except KeyboardInterrupt:  # it is heard when the kernel is through, and what it returned is lost
-            for _ in range(records.done - done):
-                agent.epsilon *= agent.epsilon_decay
-            raise
-
-
-def _is_patched(env):
-    return bool({"step", "reset"} & vars(env).keys())
-
-
-def _is_maze(env):
-    from course_lib.maze import Maze
-
-    return type(env) is Maze
-
-
-def _is_toy_text(env):
-    from gymnasium.envs.toy_text import CliffWalkingEnv, FrozenLakeEnv, TaxiEnv
-
-    return type(env) in (FrozenLakeEnv, CliffWalkingEnv, TaxiEnv) and not getattr(env, "fickle_passenger", False)
+    if world.time_limit is not None:
+        max_steps = min(max_steps, world.time_limit)
+    mdp, done = world.mdp, records.done
+    try:
+        agent.epsilon = kernels.q_learning(
+            agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
+            world.start, world.draw_always, agent.rng, world.env.unwrapped.np_random,
+            agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
+            max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
+        )  # fmt: skip
+    except KeyboardInterrupt:  # it is heard when the kernel is through, and what it returned is lost
+        for _ in range(records.done - done):
+            agent.epsilon *= agent.epsilon_decay
+        raise
 
 
 def _bar(num_episodes):

@@ -20,7 +20,7 @@ ROWS = [
     ["history"],
     ["mdp"],
     ["maze"],
-    ["bellman"],
+    ["bellman", "table_world"],
     ["q_table", "dqn", "market"],
     ["study"],
     ["plots"],

@@ -1,0 +1,241 @@
+"""Deep Q-learning (Mnih et al., 2015) for E agents at once."""
+
+import numpy as np
+import torch
+
+from course_lib.dqn import saved, settings
+from course_lib.dqn.calm import small_tensors, whole_steps
+from course_lib.dqn.draws import Draws
+from course_lib.dqn.episodes import Ended, Underway
+from course_lib.dqn.inputs import inputs_of
+from course_lib.dqn.lanes import lanes_of
+from course_lib.dqn.networks import Adam, Networks, starting_weights
+from course_lib.dqn.replay import Replay
+from course_lib.dqn.walks import greedy_walks
+from course_lib.validate import fraction, number, whole_number
+
+_REMEMBERED = {"reward": ((), torch.float32), "discount": ((), torch.float32)}  # of a transition, beside its states
+
+
+class DQNAgent:
+    """E agents, each with a network for its action values, trained side by side by deep Q-learning.
+
+    weights -= Adam's step along the gradient of the mean of (q(s, a) - y)^2 over a batch, where y = r + gamma max_a'
+    q'(s', a'), and y = r after a terminated step; q' is the target network, or q itself where there is none.
+
+    env              a Gymnasium environment with Discrete or Box observations and Discrete actions, its id, or a
+                     `VectorEnv` with a lane an agent
+    hidden           nodes of the hidden layers (ReLU); Discrete states go in one-hot encoded
+    gamma            discount, in [0, 1]
+    learning_rate    of Adam (Kingma & Ba, 2015)
+    epsilon          how often an action is random, in [0, 1]; multiplied by epsilon_decay after every episode
+    replay           how many transitions an agent remembers to learn from (Lin, 1992); None: only the latest
+    batch_size       transitions in a gradient step; one follows every step in the world, once there are that many
+    target_update    gradient steps between copies of q to q'; a fraction below 1: how much of the way to q the target
+                     network goes after each of them (Lillicrap et al., 2016); None: no target network
+    double           q chooses the action, q' says what it is worth (van Hasselt et al., 2016)
+    mask_terminal    False: bootstrap from terminal states too, a mistake that lesson 6 makes on purpose
+    num_agents       E; None: 1, or the lanes of a `VectorEnv`
+    device           where networks and memories are: 'cpu' or 'cuda'
+    seed             agent i draws everything from seed + i, and is the agent one gets alone with that seed
+
+    The defaults are the first agent of lesson 6 with the terminal mask. `epsilon` is float64[E], `history` the latest
+    `train`'s. `ValueError` for a setting out of range and for spaces of another kind.
+    """
+
+    def __init__(
+        self, env, *, hidden=(20,), gamma=0.95, learning_rate=1e-3, epsilon=0.5, epsilon_decay=0.999, replay=None,
+        batch_size=1, target_update=None, double=False, mask_terminal=True, num_agents=None, device="cpu", seed=0,
+    ):  # fmt: skip
+        self.env = settings.environment(env)
+        sizes = settings.network_sizes(self.env, hidden)
+        self.hidden = sizes[1:-1]
+        self.gamma = fraction("gamma", gamma)
+        self.learning_rate = number("learning_rate", learning_rate)
+        if self.learning_rate <= 0:
+            raise ValueError(f"learning_rate must be positive, got {learning_rate!r}")
+        epsilon = fraction("epsilon", epsilon)
+        self.epsilon_decay = fraction("epsilon_decay", epsilon_decay)
+        self.batch_size = whole_number("batch_size", batch_size, at_least=1)
+        self.replay = None if replay is None else whole_number("replay", replay, at_least=self.batch_size)
+        if replay is None and self.batch_size > 1:
+            raise ValueError(f"a batch_size of {batch_size} needs a replay buffer to draw from, got replay=None")
+        self.target_update = settings.target_update(target_update)
+        self.double, self.mask_terminal = bool(double), bool(mask_terminal)
+        if self.double and self.target_update is None:
+            raise ValueError("double needs a target network to ask for a second opinion, got target_update=None")
+        self.num_agents = settings.number_of_agents(num_agents, self.env)
+        self.device = settings.device(device)
+        self.seed = whole_number("seed", seed)
+
+        self._inputs = inputs_of(*settings.spaces(self.env), self.device)
+        generators = [np.random.default_rng(self.seed + i) for i in range(self.num_agents)]
+        flat = np.stack([starting_weights(sizes, generator) for generator in generators])
+        self._online = Networks(sizes, torch.from_numpy(flat).to(self.device))
+        self._target = self._online if self.target_update is None else Networks(sizes, self._online.flat.clone())
+        self._adam = Adam(self._online.flat)
+        self._underway = Underway([int(generator.integers(2**31)) for generator in generators])
+        self._draws = Draws(generators, 2 + (self.batch_size if self.replay else 0))
+        self._memory = self.replay and Replay(
+            self.num_agents, self.replay, _REMEMBERED | self._inputs.fields, self.device
+        )
+        self.epsilon = np.full(self.num_agents, epsilon)
+        self.history = Ended(self.num_agents).history()
+
+    @property
+    def layers(self):
+        """[(weights float32[E, inputs, outputs], biases float32[E, outputs]), …], a copy."""
+        return [(w.cpu().numpy().copy(), b.squeeze(1).cpu().numpy().copy()) for w, b in self._online.layers]
+
+    def q_values(self, observations):
+        """What the networks say, float32[E, B, A], of B observations: [B, …] for all agents alike, or [E, B, …].
+
+        A batch of Discrete observations is int[B]; one state is a batch of one. `ValueError` for anything else.
+        """
+        x, rows = self._inputs.question(observations, self.num_agents)
+        with small_tensors():
+            q = self._online.forward(x).q.cpu().numpy()
+        return q if rows is None else np.take_along_axis(q, rows[:, :, None], axis=1)
+
+    def train(self, num_episodes=None, *, num_steps=None, max_steps=1000, progress=False):
+        """Every agent plays so many more episodes, or steps, learning from each step; returns their `History`, [E, N].
+
+        With num_steps the last episode stays unfinished, and the next call goes on in it. Agents with fewer episodes
+        than others have NaN (return), 0 (length) and False at the end of their row. max_steps: the most steps of an
+        episode; it does not hold in a `VectorEnv` that begins its episodes by itself. Stopped (Ctrl-C), the agents
+        keep what they have learned, and a further `train`, also of a saved and loaded agent, goes on as if nothing had
+        happened. `progress=True` shows a bar.
+        """
+        wanted = settings.how_long(num_episodes, num_steps)
+        max_steps = whole_number("max_steps", max_steps, at_least=1)
+        ended, stepped = Ended(self.num_agents), np.zeros(self.num_agents, np.int64)
+        bar = _bar(num_episodes, num_steps, self.num_agents) if progress else None
+        lanes = lanes_of(self.env, self.num_agents)
+        try:
+            with small_tensors(), whole_steps() as stop_if_asked:
+                self._underway.go_on(lanes)
+                while (playing := (ended.count < wanted[0]) & (stepped < wanted[1])).any():
+                    stepped += self._step(lanes, playing, max_steps, ended)
+                    if bar is not None:
+                        done = int(ended.count.sum()) if num_steps is None else int(stepped.min())
+                        bar.update(done - bar.n)
+                    stop_if_asked()
+        finally:
+            self.history = ended.history()
+            if bar is not None:
+                bar.close()
+        return self.history
+
+    def test(self, num_episodes=1, *, max_steps=1000, seed=0):
+        """Greedy walks that teach nothing, so many of each agent, agent by agent: list[Rollout].
+
+        They begin from `seed`: the same call gives the same walks. A walk of max_steps steps is cut (truncated).
+        """
+        num_episodes = whole_number("num_episodes", num_episodes, at_least=1)
+        max_steps, seed = whole_number("max_steps", max_steps, at_least=1), whole_number("seed", seed)
+        firsts = self._underway.first_seeds.tolist()
+        seeds = [np.random.default_rng((seed, first)).integers(2**31, size=num_episodes) for first in firsts]
+        lanes = lanes_of(self.env, self.num_agents)
+        with small_tensors():
+            return greedy_walks(lanes, lambda seen: self._look(seen)[1].argmax(axis=1), np.stack(seeds), max_steps)
+
+    def save(self, path):
+        """Write the agents to `path`, with all that training needs to go on (safetensors, no pickle)."""
+        saved.save(self, path)
+
+    @classmethod
+    def load(cls, path, env, *, device="cpu"):
+        """The agents saved in `path`, at work in `env`: training goes on as if it had never stopped.
+
+        `ValueError` for a damaged or foreign file, and for an `env` that the networks do not fit.
+        """
+        return saved.load(cls, path, env, device)
+
+    def _look(self, observations):
+        """The `Pass` for what the agents see, and what they think of it, float32[E, A]."""
+        x, rows = self._inputs.asked(observations)
+        passed = self._online.forward(x)
+        return passed, passed.q.cpu().numpy()[np.arange(self.num_agents), rows]
+
+    def _step(self, lanes, playing, max_steps, ended):
+        """One step of the agents that are `playing`, and what is learned from it. Which agents really stepped, bool[E].
+
+        Whatever a stranger's environment raises, it raises before anything is changed, or when all is done.
+        """
+        drawn, observations = self._draws.rows(), lanes.observations
+        passed, q = self._look(observations)
+        at_random = (drawn[:, 1] * q.shape[1]).astype(np.int64)
+        actions = np.where(drawn[:, 0] < self.epsilon, at_random, q.argmax(axis=1))
+        following, rewards, terminated, truncated, stepped = lanes.step(actions, playing)
+
+        transition = self._inputs.transition(observations, actions, following)
+        outcome = np.stack([rewards, self.gamma * ~(terminated & self.mask_terminal)]).astype(np.float32)
+        transition["reward"], transition["discount"] = torch.from_numpy(outcome).to(self.device)
+        if self._memory is None:
+            batch, learning = {name: values.unsqueeze(1) for name, values in transition.items()}, stepped
+        else:
+            self._memory.store(transition, stepped)
+            batch = self._memory.sample(drawn[:, 2:])
+            learning = stepped & (self._memory.count >= self.batch_size)
+        if learning.any():
+            self._learn(passed, batch, learning)
+
+        self._draws.spend(stepped)
+        self._underway.add(actions, rewards, stepped)
+        over = terminated | truncated
+        if not lanes.begins_by_itself:
+            over = over | (self._underway.steps >= max_steps)
+        over = over & stepped
+        if over.any():
+            ended.add(over, self._underway, terminated)
+            self.epsilon[over] *= self.epsilon_decay
+            self._underway.end(over)
+            self._underway.begin(lanes, over)
+        return stepped
+
+    def _learn(self, passed, batch, learning):
+        """One gradient step of those agents that are `learning`, bool[E], on a batch each."""
+        x, entries, next_x, next_rows = self._inputs.batch(batch)
+        if x is not None:
+            passed = self._online.forward(x)
+        y = batch["reward"] + batch["discount"] * self._best_next(passed, next_x).gather(1, next_rows)
+        q = passed.q.flatten(1)
+        error = q.gather(1, entries) - y
+        dq = torch.zeros_like(q).scatter_add_(1, entries, error * (2 / error.shape[1]))
+        gradient = self._online.backward(passed, dq.view_as(passed.q))
+        self._adam.step(self._online.flat, gradient, self.learning_rate, learning)
+        self._update_target(learning)
+
+    def _best_next(self, passed, next_x):
+        """max_a' q'(s', a'), or q'(s', argmax_a' q(s', a')) if `double`, of every row of next_x; float32[E, N]."""
+
+        def ask(networks):
+            known = next_x is None and networks is self._online  # all states have been asked about already
+            return passed.q if known else networks.forward(next_x).q
+
+        q = ask(self._target)
+        if not self.double:
+            return q.amax(dim=2)
+        return q.gather(2, ask(self._online).argmax(dim=2, keepdim=True)).squeeze(2)
+
+    def _update_target(self, learning):
+        if self.target_update is None:
+            return
+        if self.target_update < 1:
+            share = torch.from_numpy((self.target_update * learning).astype(np.float32)).to(self.device)
+            self._target.flat.lerp_(self._online.flat, share[:, None])
+            return
+        due = learning & (self._adam.updates % self.target_update == 0)
+        if due.all():
+            self._target.flat.copy_(self._online.flat)
+        elif due.any():
+            which = torch.from_numpy(np.flatnonzero(due)).to(self.device)
+            self._target.flat.index_copy_(0, which, self._online.flat[which])
+
+
+def _bar(num_episodes, num_steps, num_agents):
+    from tqdm.auto import tqdm
+
+    if num_steps is None:
+        return tqdm(total=num_episodes * num_agents, unit="episode", leave=False)
+    return tqdm(total=num_steps, unit="step", leave=False)

@@ -1,0 +1,116 @@
+"""E networks of one shape, trained side by side: one tensor holds all weights, one operation serves all networks."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import torch
+
+BETA_1, BETA_2, TINY = 0.9, 0.999, 1e-8  # Adam's usual constants
+_FASTER = 1e-36  # for zero under a square root, where TINY follows: roots of zero take twenty times as long
+
+
+@dataclass(eq=False)
+class Pass:
+    """One forward pass: what went into every layer, and what came out at the end, float32[E, N, A].
+
+    The first input is None where the networks were asked about every state at once.
+    """
+
+    inputs: list
+    q: torch.Tensor
+
+
+class Networks:
+    """E fully connected networks with ReLU between the layers, none after the last; their gradients, by hand.
+
+    sizes   numbers of nodes, inputs first
+    flat    float32[E, P], a row a network: per layer its weights float32[inputs, outputs], then its biases
+
+    Inputs are float32[E, N, inputs], N rows for each network; or None, which stands for all rows of the identity
+    matrix at once: one-hot encoded states, whose first layer then needs no multiplication.
+    """
+
+    def __init__(self, sizes, flat):
+        self.sizes, self.flat = tuple(sizes), flat
+        self.layers = layers_of(self.sizes, flat)
+
+    def forward(self, x):
+        """The `Pass` of inputs x through all networks."""
+        inputs = []
+        for i, (weights, biases) in enumerate(self.layers):
+            inputs.append(x)
+            x = weights + biases if x is None else torch.baddbmm(biases, x, weights)
+            if i < len(self.layers) - 1:
+                x = x.relu_()
+        return Pass(inputs, x)
+
+    def backward(self, passed, dq):
+        """The gradient, float32[E, P], of a loss whose derivative by the outputs of a `Pass` is dq, float32[E, N, A].
+
+        Back-propagation (Rumelhart, Hinton & Williams, 1986): from the last layer to the first, a layer's weights get
+        inputs^T dq, and what it was fed gets dq weights^T where the ReLU before it let something through.
+        """
+        gradient = torch.empty_like(self.flat)
+        for (d_weights, d_biases), (weights, _), x in reversed(
+            list(zip(layers_of(self.sizes, gradient), self.layers, passed.inputs, strict=True))
+        ):
+            d_biases.copy_(dq.sum(dim=1, keepdim=True))
+            d_weights.copy_(dq if x is None else torch.bmm(x.transpose(1, 2), dq))
+            if x is not passed.inputs[0]:
+                dq = torch.bmm(dq, weights.transpose(1, 2))
+                dq = torch.ops.aten.threshold_backward(dq, x, 0.0)
+        return gradient
+
+
+class Adam:
+    """Adam (Kingma & Ba, 2015) for E networks at once, each of which may have made another number of updates.
+
+    first, second   float32[E, P], the moving averages of the gradient and of its square
+    updates         int64[E]
+    """
+
+    def __init__(self, flat):
+        self.first, self.second = torch.zeros_like(flat), torch.zeros_like(flat)
+        self.updates = np.zeros(len(flat), np.int64)
+
+    def step(self, flat, gradient, learning_rate, learning):
+        """Move the weights of those networks for which `learning`, bool[E], is true; the others stay as they are.
+
+        The corrections for averages that began at zero are drawn into the step and into the constant below the line,
+        which is the same, written so that it needs fewer operations on large tensors.
+        """
+        self.updates += learning
+        count = np.maximum(self.updates, 1)
+        correction = np.sqrt(1 - BETA_2**count)
+        step = learning_rate * correction / (1 - BETA_1**count)
+        columns = np.stack([(1 - BETA_1) * learning, (1 - BETA_2) * learning, step * learning, TINY * correction])
+        rate_1, rate_2, step, tiny = torch.from_numpy(columns[:, :, None].astype(np.float32)).to(flat.device)
+        self.first.lerp_(gradient, rate_1)
+        self.second.lerp_(gradient.square_(), rate_2)
+        flat.sub_(self.first.div(self.second.clamp_min(_FASTER).sqrt_().add_(tiny)).mul_(step))
+
+
+def layers_of(sizes, flat):
+    """[(weights float32[E, inputs, outputs], biases float32[E, 1, outputs]), …], views of flat, float32[E, P]."""
+    layers, start = [], 0
+    for inputs, outputs in pairwise(sizes):
+        middle, end = start + inputs * outputs, start + (inputs + 1) * outputs
+        weights = flat[:, start:middle].view(-1, inputs, outputs)
+        layers.append((weights, flat[:, middle:end].view(-1, 1, outputs)))
+        start = end
+    return layers
+
+
+def number_of_weights(sizes):
+    """P: weights and biases of one network."""
+    return sum((inputs + 1) * outputs for inputs, outputs in pairwise(sizes))
+
+
+def starting_weights(sizes, rng):
+    """float32[P], one network: weights uniform in ±sqrt(6 / (inputs + outputs)) (Glorot & Bengio, 2010), biases 0."""
+    parts = []
+    for inputs, outputs in pairwise(sizes):
+        limit = np.sqrt(6 / (inputs + outputs))
+        parts += [rng.uniform(-limit, limit, inputs * outputs), np.zeros(outputs)]
+    return np.concatenate(parts).astype(np.float32)

@@ -52,7 +52,7 @@ def load_arrays(path, *, kind):
             ours = metadata.get("course_lib") == kind
             arrays = {name: file.get_tensor(name) for name in file.keys()} if ours else {}  # noqa: SIM118 (not a dict)
         settings = json.loads(metadata.get("settings", "null"))
-    except (SafetensorError, OSError, ValueError, RecursionError) as error:
+    except (SafetensorError, OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(
             f"{path} is not a saved {kind}: the file is damaged, cut short or of another format ({error})"
         ) from None

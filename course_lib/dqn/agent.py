@@ -75,10 +75,10 @@ class DQNAgent:
         self._target = self._online if self.target_update is None else Networks(sizes, self._online.flat.clone())
         self._adam = Adam(self._online.flat)
         self._underway = Underway([int(generator.integers(2**31)) for generator in generators])
-        self._draws = Draws(generators, 2 + (self.batch_size if self.replay else 0))
         self._memory = self.replay and Replay(
             self.num_agents, self.replay, _REMEMBERED | self._inputs.fields, self.device
         )
+        self._draws = Draws(generators, 2 + (self.batch_size if self.replay else 0))
         self.epsilon = np.full(self.num_agents, epsilon)
         self.history = Ended(self.num_agents).history()
 
@@ -92,10 +92,8 @@ class DQNAgent:
 
         A batch of Discrete observations is int[B]; one state is a batch of one. `ValueError` for anything else.
         """
-        x, rows = self._inputs.question(observations, self.num_agents)
         with small_tensors():
-            q = self._online.forward(x).q.cpu().numpy()
-        return q if rows is None else np.take_along_axis(q, rows[:, :, None], axis=1)
+            return self._online.forward(self._inputs.question(observations, self.num_agents)).q.cpu().numpy()
 
     def train(self, num_episodes=None, *, num_steps=None, max_steps=1000, progress=False):
         """Every agent plays so many more episodes, or steps, learning from each step; returns their `History`, [E, N].
@@ -133,11 +131,15 @@ class DQNAgent:
         """
         num_episodes = whole_number("num_episodes", num_episodes, at_least=1)
         max_steps, seed = whole_number("max_steps", max_steps, at_least=1), whole_number("seed", seed)
-        firsts = self._underway.first_seeds.tolist()
-        seeds = [np.random.default_rng((seed, first)).integers(2**31, size=num_episodes) for first in firsts]
+        generators = [np.random.default_rng((seed, int(first))) for first in self._underway.first_seeds]
+        seeds = np.stack([generator.integers(2**31, size=num_episodes) for generator in generators])
         lanes = lanes_of(self.env, self.num_agents)
         with small_tensors():
-            return greedy_walks(lanes, lambda seen: self._look(seen)[1].argmax(axis=1), np.stack(seeds), max_steps)
+            walks = greedy_walks(lanes, lambda seen: self._look(seen)[1].argmax(axis=1), seeds, max_steps)
+        first_action = int(settings.spaces(self.env)[1].start)
+        for walk in walks:
+            walk.states, walk.actions = self._inputs.as_seen(walk.states), walk.actions + first_action
+        return walks
 
     def save(self, path):
         """Write the agents to `path`, with all that training needs to go on (safetensors, no pickle)."""

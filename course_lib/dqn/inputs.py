@@ -1,13 +1,13 @@
-"""How observations reach the networks: numbered states all at once, or vectors one by one.
+"""How observations reach the networks: as vectors, or as numbers of states.
 
-Both answer the same questions; N is the number of rows that the networks are asked about at a time.
+All ways in answer the same questions; N is the number of rows that the networks are asked about at a time.
 
 fields                      what of a transition is remembered, {name: (shape, torch dtype)}
 most                        the largest number that may stand in such a field, {name: int}
 transition(s, a, s_next)    those fields of one transition an agent, {name: tensor [E, …]}
 asked(observations)         x, what to put into the networks, and which row of the answer is each agent's, int64[E]
-question(observations, E)   the same for a learner's batch, [B, …] or [E, B, …]: x, and int64[E, B], or None where the
-                            rows of the answer are in order; `ValueError` for what is no batch
+question(observations, E)   x for a learner's batch, [B, …] or [E, B, …]; `ValueError` for what is no batch
+as_seen(observations)       what the environment itself calls a stack of encoded observations
 batch(batch)                x, entries, next x, next rows: what to put in, and which entries s * A + a and which rows of
                             the answers belong to the transitions of a batch, int64[E, B]
 """
@@ -16,56 +16,26 @@ import gymnasium
 import numpy as np
 import torch
 
+_FEW = 64  # states, up to which it is quicker to ask about all of them than to pick some
+
 
 def inputs_of(observations, actions, device):
     """The way in for an agent with those spaces."""
-    kind = Numbered if isinstance(observations, gymnasium.spaces.Discrete) else Vectors
-    return kind(observations, int(actions.n), device)
-
-
-class Numbered:
-    """Discrete states, one-hot encoded.
-
-    There are few of them, so the networks are asked about every state at once (x = None), and the batch picks from the
-    table that comes out. The gradient is the one of the batch: what a state was picked for is added up.
-    """
-
-    fields = {"entry": ((), torch.int64), "next_row": ((), torch.int64)}
-
-    def __init__(self, space, num_actions, device):
-        self.first, self.num_inputs, self.num_actions, self.device = int(space.start), int(space.n), num_actions, device
-        self.most = {"entry": self.num_inputs * num_actions - 1, "next_row": self.num_inputs - 1}
-
-    def transition(self, observations, actions, following):
-        entries = torch.from_numpy(observations * self.num_actions + actions).to(self.device)
-        return {"entry": entries, "next_row": torch.from_numpy(following).to(self.device)}
-
-    def asked(self, observations):
-        return None, observations
-
-    def batch(self, batch):
-        return None, batch["entry"], None, batch["next_row"]
-
-    def question(self, observations, num_agents):
-        states = np.asarray(observations)
-        if not np.issubdtype(states.dtype, np.integer) or not _is_batch(states.shape, (), num_agents):
-            raise ValueError(
-                f"observations must be states, int[B] or int[{num_agents}, B], got {states.dtype}{[*states.shape]}"
-            )
-        last = self.first + self.num_inputs - 1
-        if states.size and (states.min() < self.first or states.max() > last):
-            raise ValueError(f"states must be from {self.first} to {last}, got {states.min()} to {states.max()}")
-        return None, np.broadcast_to(states - self.first, (num_agents, states.shape[-1]))
+    if not isinstance(observations, gymnasium.spaces.Discrete):
+        return Vectors(observations, int(actions.n), device)
+    return (FewStates if observations.n <= _FEW else ManyStates)(observations, int(actions.n), device)
 
 
 class Vectors:
-    """Box observations, flattened to float32[n]; a batch goes through the networks as it is."""
+    """Box observations, flattened to float32[n]: what is asked about goes through the networks as it is."""
 
     def __init__(self, space, num_actions, device):
-        self.num_inputs, self.num_actions, self.device = int(np.prod(space.shape)), num_actions, device
-        vector = ((self.num_inputs,), torch.float32)
-        self.shape, self.most = space.shape, {"action": num_actions - 1}
-        self.fields = {"observation": vector, "action": ((), torch.int64), "next_observation": vector}
+        self.num_actions, self.device, self.shape = num_actions, device, space.shape
+        self.fields = self._fields((int(np.prod(space.shape)),), torch.float32)
+        self.most = {"action": num_actions - 1}
+
+    def _fields(self, shape, dtype):
+        return {"observation": (shape, dtype), "action": ((), torch.int64), "next_observation": (shape, dtype)}
 
     def transition(self, observations, actions, following):
         arrays = {"observation": observations, "action": actions, "next_observation": following}
@@ -73,10 +43,6 @@ class Vectors:
 
     def asked(self, observations):
         return torch.from_numpy(observations[:, None]).to(self.device), np.zeros(len(observations), np.int64)
-
-    def batch(self, batch):
-        rows = torch.arange(batch["action"].shape[1], device=self.device).expand(batch["action"].shape)
-        return batch["observation"], rows * self.num_actions + batch["action"], batch["next_observation"], rows
 
     def question(self, observations, num_agents):
         try:
@@ -89,8 +55,58 @@ class Vectors:
                 f"observations must have shape [B, {wanted}] or [{num_agents}, B, {wanted}], got {[*vectors.shape]}"
             )
         batch = vectors.shape[: vectors.ndim - len(self.shape)]
-        x = np.broadcast_to(vectors.reshape(*batch, self.num_inputs), (num_agents, batch[-1], self.num_inputs))
-        return torch.from_numpy(np.ascontiguousarray(x)).to(self.device), None
+        x = np.broadcast_to(vectors.reshape(*batch, -1), (num_agents, batch[-1], int(np.prod(self.shape))))
+        return torch.from_numpy(np.ascontiguousarray(x)).to(self.device)
+
+    def batch(self, batch):
+        rows = torch.arange(batch["action"].shape[1], device=self.device).expand(batch["action"].shape)
+        return batch["observation"], rows * self.num_actions + batch["action"], batch["next_observation"], rows
+
+
+class ManyStates(Vectors):
+    """Discrete states, one-hot encoded: an observation is the number of the input that is 1."""
+
+    def __init__(self, space, num_actions, device):
+        self.num_actions, self.device = num_actions, device
+        self.first, self.num_states = int(space.start), int(space.n)
+        self.fields = self._fields((), torch.int64)
+        last = self.num_states - 1
+        self.most = {"action": num_actions - 1, "observation": last, "next_observation": last}
+
+    def question(self, observations, num_agents):
+        states = np.asarray(observations)
+        if not np.issubdtype(states.dtype, np.integer) or not _is_batch(states.shape, (), num_agents):
+            raise ValueError(
+                f"observations must be states, int[B] or int[{num_agents}, B], got {states.dtype}{[*states.shape]}"
+            )
+        last = self.first + self.num_states - 1
+        if states.size and (states.min() < self.first or states.max() > last):
+            raise ValueError(f"states must be from {self.first} to {last}, got {states.min()} to {states.max()}")
+        x = np.broadcast_to(states.astype(np.int64) - self.first, (num_agents, states.shape[-1]))
+        return torch.from_numpy(np.ascontiguousarray(x)).to(self.device)
+
+
+class FewStates(ManyStates):
+    """Discrete states, so few that the networks are asked about every one of them at once (x = None).
+
+    An answer is then a whole table, the same for acting and for learning, and a batch picks from it. The gradient is
+    that of the batch: what a state was picked for is added up.
+    """
+
+    def __init__(self, space, num_actions, device):
+        super().__init__(space, num_actions, device)
+        self.fields = {"entry": ((), torch.int64), "next_state": ((), torch.int64)}
+        self.most = {"entry": self.num_states * num_actions - 1, "next_state": self.num_states - 1}
+
+    def transition(self, observations, actions, following):
+        entries = torch.from_numpy(observations * self.num_actions + actions).to(self.device)
+        return {"entry": entries, "next_state": torch.from_numpy(following).to(self.device)}
+
+    def asked(self, observations):
+        return None, observations
+
+    def batch(self, batch):
+        return None, batch["entry"], None, batch["next_state"]
 
 
 def _is_batch(shape, one, num_agents):

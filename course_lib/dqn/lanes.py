@@ -128,7 +128,8 @@ class VectorLanes:
 
     def begin(self, lanes, seeds):
         if lanes.all():
-            self.observations = self.encode(self.env.reset(seed=int(seeds[0]))[0])
+            seed = int(np.random.default_rng(seeds).integers(2**31))  # lanes get this one and those after it
+            self.observations = self.encode(self.env.reset(seed=seed)[0])
             self.over[:] = False
         elif self.mode == AutoresetMode.DISABLED and lanes.any():
             self._reset(lanes)

@@ -27,8 +27,8 @@ class Networks:
     sizes   numbers of nodes, inputs first
     flat    float32[E, P], a row a network: per layer its weights float32[inputs, outputs], then its biases
 
-    Inputs are float32[E, N, inputs], N rows for each network; or None, which stands for all rows of the identity
-    matrix at once: one-hot encoded states, whose first layer then needs no multiplication.
+    Inputs x are float32[E, N, inputs], N rows for each network. One-hot encoded ones come shorter, and the first layer
+    then needs no multiplication: int64[E, N] says where the ones stand, None means every row of the identity matrix.
     """
 
     def __init__(self, sizes, flat):
@@ -40,7 +40,12 @@ class Networks:
         inputs = []
         for i, (weights, biases) in enumerate(self.layers):
             inputs.append(x)
-            x = weights + biases if x is None else torch.baddbmm(biases, x, weights)
+            if x is None:
+                x = weights + biases
+            elif x.ndim == 2:
+                x = weights.gather(1, _across(x, weights)) + biases
+            else:
+                x = torch.baddbmm(biases, x, weights)
             if i < len(self.layers) - 1:
                 x = x.relu_()
         return Pass(inputs, x)
@@ -56,7 +61,12 @@ class Networks:
             list(zip(layers_of(self.sizes, gradient), self.layers, passed.inputs, strict=True))
         ):
             d_biases.copy_(dq.sum(dim=1, keepdim=True))
-            d_weights.copy_(dq if x is None else torch.bmm(x.transpose(1, 2), dq))
+            if x is None:
+                d_weights.copy_(dq)
+            elif x.ndim == 2:
+                d_weights.zero_().scatter_add_(1, _across(x, weights), dq)
+            else:
+                d_weights.copy_(torch.bmm(x.transpose(1, 2), dq))
             if x is not passed.inputs[0]:
                 dq = torch.bmm(dq, weights.transpose(1, 2))
                 dq = torch.ops.aten.threshold_backward(dq, x, 0.0)
@@ -89,6 +99,11 @@ class Adam:
         self.first.lerp_(gradient, rate_1)
         self.second.lerp_(gradient.square_(), rate_2)
         flat.sub_(self.first.div(self.second.clamp_min(_FASTER).sqrt_().add_(tiny)).mul_(step))
+
+
+def _across(rows, weights):
+    """Row numbers, int64[E, N], repeated for every column of `weights`, as torch's gather and scatter take them."""
+    return rows.unsqueeze(2).expand(-1, -1, weights.shape[2])
 
 
 def layers_of(sizes, flat):

@@ -15,10 +15,9 @@ class Replay:
         self.capacity, self.device = capacity, device
         try:
             self.tensors = {
-                name: torch.zeros(num_agents * capacity, *shape, dtype=dtype, device=device)
-                for name, (shape, dtype) in fields.items()
+                name: _zeros((num_agents * capacity, *shape), dtype, device) for name, (shape, dtype) in fields.items()
             }
-        except RuntimeError:
+        except (RuntimeError, MemoryError, ValueError, TypeError, OverflowError):
             raise ValueError(f"there is no memory for {capacity:,} transitions of {num_agents:,} agents") from None
         self.count = np.zeros(num_agents, np.int64)
         self._first = np.arange(num_agents) * capacity  # where an agent's entries begin
@@ -43,3 +42,10 @@ class Replay:
             name: tensor.index_select(0, places).view(*shape, *tensor.shape[1:])
             for name, tensor in self.tensors.items()
         }
+
+
+def _zeros(shape, dtype, device):
+    """Zeros; on a processor by way of NumPy, which takes no memory for what has never been stored in."""
+    if device.type != "cpu":
+        return torch.zeros(shape, dtype=dtype, device=device)
+    return torch.from_numpy(np.zeros(shape, np.float32 if dtype == torch.float32 else np.int64))

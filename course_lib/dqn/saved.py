@@ -39,9 +39,13 @@ def load(cls, path, env, device):
         raise ValueError(f"{path} is not a saved DQNAgent: missing or of another form is {error!r}") from None
     if told != shape or chosen["num_agents"] != len(generators):
         raise ValueError(f"{path} is not a saved DQNAgent: its weights, {shape}, are not those of {told}")
-    if sizes != (needed := wanted.network_sizes(env, chosen["hidden"])):
+    try:
+        needed = wanted.network_sizes(env, chosen["hidden"])
+        agent = cls(env, **chosen, device=device) if sizes == needed else None
+    except ValueError as error:
+        raise ValueError(f"{path} cannot be loaded: {error}") from None
+    if agent is None:
         raise ValueError(f"{path} holds networks with layers of {sizes} nodes, this environment needs {needed}")
-    agent = cls(env, **chosen, device=device)
     try:
         _fill(agent, arrays)
     except (KeyError, IndexError, ValueError) as error:

@@ -13,7 +13,7 @@ def environment(env):
         return env
     try:
         return gymnasium.make(env)
-    except gymnasium.error.Error as error:
+    except (gymnasium.error.Error, ImportError) as error:
         raise ValueError(f"there is no environment {env!r}: {' '.join(str(error).split())}") from None
 
 
@@ -46,7 +46,7 @@ def target_update(target_update):
     if isinstance(target_update, float) and 0 < target_update < 1:
         return target_update
     try:
-        return whole_number("target_update", target_update, at_least=1)
+        return whole_number("target_update", target_update, at_least=1, below=2**63)
     except ValueError:
         raise ValueError(
             f"target_update must be None, a number of steps from 1 or a fraction below 1, got {target_update!r}"
@@ -64,8 +64,8 @@ def number_of_agents(num_agents, env):
 def device(device):
     try:
         device = torch.device(device)
-        torch.empty(0, device=device)
-    except (RuntimeError, AssertionError, TypeError) as error:
+        torch.empty(0, device=device).cpu()
+    except (RuntimeError, AssertionError, TypeError, ImportError) as error:
         reason = str(error).strip().splitlines()[0]
         raise ValueError(f"device must be one that torch has here, such as 'cpu', got {device!r} ({reason})") from None
     return device

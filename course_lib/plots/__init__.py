@@ -2,7 +2,8 @@
 
 from course_lib.plots.curves import contraction, learning_curves
 from course_lib.plots.diagrams import agent_loop, method_chart, neural_network
-from course_lib.plots.grid import action_values, maze, transition, values
+from course_lib.plots.grid import action_values, maze, stages, transition, values
+from course_lib.plots.networks import forward_pass, seed_by_seed
 from course_lib.plots.picture import Picture
 
 __all__ = [
@@ -10,10 +11,13 @@ __all__ = [
     "action_values",
     "agent_loop",
     "contraction",
+    "forward_pass",
     "learning_curves",
     "maze",
     "method_chart",
     "neural_network",
+    "seed_by_seed",
+    "stages",
     "transition",
     "values",
 ]

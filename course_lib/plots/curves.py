@@ -6,21 +6,29 @@ from course_lib.plots.picture import INK, LINE_STYLES, PALETTE, Picture, dress, 
 
 
 def learning_curves(
-    curves, *, band=(5, 95), xlabel="episode", ylabel="return of an episode", title="", truth=None, log=False
+    curves,
+    *,
+    band=(5, 95),
+    xlabel="episode",
+    ylabel="return of an episode",
+    title="",
+    truth=None,
+    log=False,
+    words=None,
 ):
     """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
 
-    truth: (words, number) to compare with, or None; log: a logarithmic scale upwards. The picture says which band it
-    shows.
+    truth: (words, number) to compare with, or None; log: a logarithmic scale upwards; words: a text alternative of your
+    own, for numbers that another processor may round otherwise. The picture says which band it shows.
     """
     figure, axes = new_figure(7.2, 3.8)
-    words = []
+    ends = []
     for i, (label, runs) in enumerate(curves.items()):
         low, middle, high = np.percentile(np.atleast_2d(runs), [band[0], 50, band[1]], axis=0)
         episodes = np.arange(1, len(middle) + 1)
         axes.fill_between(episodes, low, high, color=PALETTE[i], alpha=0.18, linewidth=0)
         axes.plot(episodes, middle, color=PALETTE[i], linestyle=LINE_STYLES[i], linewidth=2, label=label)
-        words.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
+        ends.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
     if truth is not None:
         axes.axhline(truth[1], color=INK, linewidth=1, linestyle=":")
         place = {"xycoords": ("axes fraction", "data"), "xytext": (-4, 3), "textcoords": "offset points"}
@@ -34,7 +42,7 @@ def learning_curves(
     note = f"line: median of {count}; band: {band[0]} % to {band[1]} % of them"
     axes.text(0, -0.26, note, transform=axes.transAxes, fontsize=9, color=INK)
     alt = f"{title or 'Learning curves'}, {ylabel} by {xlabel}, median of {count} and {band[0]} to {band[1]} % band."
-    return Picture(figure, f"{alt} At the end: {'; '.join(words)}.")
+    return Picture(figure, f"{alt} {words or 'At the end: ' + '; '.join(ends) + '.'}")
 
 
 def contraction(errors, gamma, *, title=""):

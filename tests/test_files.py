@@ -148,9 +148,13 @@ def test_arrays_that_somebody_else_saved_are_refused(saved):
     assert "holds 'something else'" in refused(saved)
 
 
+@pytest.mark.parametrize(
+    "told", [{}, {"__metadata__": {"course_lib": "QAgent", "settings": "{}"}}], ids=["foreign", "ours"]
+)
 @pytest.mark.parametrize(("dtype", "size"), [("BF16", 2), ("F8_E4M3", 1)])
-def test_arrays_that_numpy_has_no_kind_for_are_refused(dtype, size, saved):
-    write_safetensors(saved, {"w": {"dtype": dtype, "shape": [3], "data_offsets": [0, 3 * size]}}, b"\0" * 3 * size)
+def test_arrays_that_numpy_has_no_kind_for_are_refused(dtype, size, told, saved):
+    array = {"q_table": {"dtype": dtype, "shape": [3], "data_offsets": [0, 3 * size]}}
+    write_safetensors(saved, told | array, b"\0" * 3 * size)
     assert "is not a saved QAgent" in refused(saved)
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib import Action, Maze, plots, value_iteration
-from course_lib.plots.grid import best_actions
+from course_lib.plots.board import best_actions
 
 
 def acting_states(maze):

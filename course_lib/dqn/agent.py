@@ -12,7 +12,7 @@ from course_lib.dqn.lanes import lanes_of
 from course_lib.dqn.networks import Adam, Networks, starting_weights
 from course_lib.dqn.replay import Replay
 from course_lib.dqn.walks import greedy_walks
-from course_lib.validate import fraction, number, whole_number
+from course_lib.validate import fraction, whole_number
 
 _REMEMBERED = {"reward": ((), torch.float32), "discount": ((), torch.float32)}  # of a transition, beside its states
 
@@ -51,9 +51,7 @@ class DQNAgent:
         sizes = settings.network_sizes(self.env, hidden)
         self.hidden = sizes[1:-1]
         self.gamma = fraction("gamma", gamma)
-        self.learning_rate = number("learning_rate", learning_rate)
-        if self.learning_rate <= 0:
-            raise ValueError(f"learning_rate must be positive, got {learning_rate!r}")
+        self.learning_rate = settings.positive("learning_rate", learning_rate)
         epsilon = fraction("epsilon", epsilon)
         self.epsilon_decay = fraction("epsilon_decay", epsilon_decay)
         self.batch_size = whole_number("batch_size", batch_size, at_least=1)
@@ -81,6 +79,21 @@ class DQNAgent:
         self._draws = Draws(generators, 2 + (self.batch_size if self.replay else 0))
         self.epsilon = np.full(self.num_agents, epsilon)
         self.history = Ended(self.num_agents).history()
+
+    @property
+    def weights(self):
+        """All weights and biases, float32[E, P], a copy; put others in their place to go on with those.
+
+        So one keeps the best of several moments. The target networks become copies. `ValueError` for another shape, and
+        for NaN or infinity.
+        """
+        return self._online.flat.cpu().numpy().copy()
+
+    @weights.setter
+    def weights(self, weights):
+        flat = settings.weights(weights, self._online.flat.shape)
+        self._online.flat.copy_(torch.from_numpy(flat))
+        self._target.flat.copy_(self._online.flat)
 
     @property
     def layers(self):

@@ -55,8 +55,12 @@ class Vectors:
                 f"observations must have shape [B, {wanted}] or [{num_agents}, B, {wanted}], got {[*vectors.shape]}"
             )
         batch = vectors.shape[: vectors.ndim - len(self.shape)]
-        x = np.broadcast_to(vectors.reshape(*batch, -1), (num_agents, batch[-1], int(np.prod(self.shape))))
-        return torch.from_numpy(np.ascontiguousarray(x)).to(self.device)
+        size = int(np.prod(self.shape))
+        x = np.broadcast_to(vectors.reshape(*batch, size), (num_agents, batch[-1], size))
+        return torch.from_numpy(np.array(x, order="C")).to(self.device)
+
+    def as_seen(self, observations):
+        return observations.reshape(-1, *self.shape)
 
     def batch(self, batch):
         rows = torch.arange(batch["action"].shape[1], device=self.device).expand(batch["action"].shape)
@@ -83,7 +87,10 @@ class ManyStates(Vectors):
         if states.size and (states.min() < self.first or states.max() > last):
             raise ValueError(f"states must be from {self.first} to {last}, got {states.min()} to {states.max()}")
         x = np.broadcast_to(states.astype(np.int64) - self.first, (num_agents, states.shape[-1]))
-        return torch.from_numpy(np.ascontiguousarray(x)).to(self.device)
+        return torch.from_numpy(np.array(x, order="C")).to(self.device)
+
+    def as_seen(self, observations):
+        return observations + self.first
 
 
 class FewStates(ManyStates):

@@ -124,14 +124,14 @@ class VectorLanes:
         self.begins_by_itself = self.mode != AutoresetMode.DISABLED
         self.first_action = int(env.single_action_space.start)
         self.encode = encoder(env.single_observation_space, lanes=env.num_envs)
-        self.over = np.zeros(env.num_envs, bool)
+        self.over, self.observations = np.zeros(env.num_envs, bool), None
 
     def begin(self, lanes, seeds):
-        if lanes.all():
+        if self.observations is None or (lanes.all() and not self.begins_by_itself):
             seed = int(np.random.default_rng(seeds).integers(2**31))  # lanes get this one and those after it
             self.observations = self.encode(self.env.reset(seed=seed)[0])
             self.over[:] = False
-        elif self.mode == AutoresetMode.DISABLED and lanes.any():
+        elif lanes.any() and not self.begins_by_itself:
             self._reset(lanes)
 
     def _reset(self, lanes):

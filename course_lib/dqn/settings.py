@@ -5,7 +5,7 @@ import numpy as np
 import torch
 from gymnasium.vector import VectorEnv
 
-from course_lib.validate import whole_number
+from course_lib.validate import number, whole_number
 
 
 def environment(env):
@@ -38,6 +38,27 @@ def network_sizes(env, hidden):
     except TypeError:
         raise ValueError(f"hidden must be the sizes of the hidden layers, such as (20,), got {hidden!r}") from None
     return (int(inputs), *hidden, int(actions.n))
+
+
+def positive(name, value):
+    """`value` as a float above 0."""
+    result = number(name, value)
+    if result <= 0:
+        raise ValueError(f"{name} must be positive, got {value!r}")
+    return result
+
+
+def weights(weights, shape):
+    """`weights` as float32 of that shape, all finite."""
+    try:
+        flat = np.array(weights, np.float32)
+    except (TypeError, ValueError):
+        raise ValueError(f"weights must be numbers, got {weights!r}") from None
+    if flat.shape != tuple(shape) or not np.isfinite(flat).all():
+        raise ValueError(
+            f"weights must be {[*shape]} finite numbers, got {[*flat.shape]}, or NaN or infinity among them"
+        )
+    return flat
 
 
 def target_update(target_update):

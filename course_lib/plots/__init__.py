@@ -1,6 +1,7 @@
 """Pictures that stand still. Each function returns a `Picture`, which a notebook shows with its text alternative."""
 
-from course_lib.plots.curves import contraction, learning_curves
+from course_lib.plots.cart_pole import cart_pole
+from course_lib.plots.curves import contraction, counts, learning_curves
 from course_lib.plots.diagrams import agent_loop, method_chart, neural_network
 from course_lib.plots.grid import action_values, maze, stages, transition, values
 from course_lib.plots.networks import forward_pass, seed_by_seed
@@ -10,7 +11,9 @@ __all__ = [
     "Picture",
     "action_values",
     "agent_loop",
+    "cart_pole",
     "contraction",
+    "counts",
     "forward_pass",
     "learning_curves",
     "maze",

@@ -14,20 +14,22 @@ def learning_curves(
     title="",
     truth=None,
     log=False,
+    at=None,
     words=None,
 ):
     """Median over the agents and a band between two percentiles of them; curves: {label: float[E, N]}.
 
-    truth: (words, number) to compare with, or None; log: a logarithmic scale upwards; words: a text alternative of your
-    own, for numbers that another processor may round otherwise. The picture says which band it shows.
+    truth: (words, number) to compare with, or None; log: a logarithmic scale upwards; at: where the N numbers stand, by
+    default 1 to N; words: a text alternative of your own, for numbers that another processor may round otherwise. The
+    picture says which band it shows.
     """
     figure, axes = new_figure(7.2, 3.8)
     ends = []
     for i, (label, runs) in enumerate(curves.items()):
         low, middle, high = np.percentile(np.atleast_2d(runs), [band[0], 50, band[1]], axis=0)
-        episodes = np.arange(1, len(middle) + 1)
-        axes.fill_between(episodes, low, high, color=PALETTE[i], alpha=0.18, linewidth=0)
-        axes.plot(episodes, middle, color=PALETTE[i], linestyle=LINE_STYLES[i], linewidth=2, label=label)
+        places, marker = (np.arange(1, len(middle) + 1), None) if at is None else (at, "o")
+        axes.fill_between(places, low, high, color=PALETTE[i], alpha=0.18, linewidth=0)
+        axes.plot(places, middle, color=PALETTE[i], linestyle=LINE_STYLES[i], linewidth=2, marker=marker, label=label)
         ends.append(f"{label}: {middle[-1]:.2f} ({low[-1]:.2f} to {high[-1]:.2f})")
     if truth is not None:
         axes.axhline(truth[1], color=INK, linewidth=1, linestyle=":")
@@ -64,4 +66,20 @@ def contraction(errors, gamma, *, title=""):
     dress(axes, title=title, xlabel="sweep k", ylabel="largest error of any state", legend=True)
     return Picture(
         figure, f"{title or 'Errors'}, log scale, against the first error times {gamma}^k. {'; '.join(words)}."
+    )
+
+
+def counts(series, at, total, *, xlabel="episodes", ylabel="agents", title="", words=None):
+    """How many of `total` agents, at several times; series: {label: int[K]}, at: [K] times; words as above."""
+    figure, axes = new_figure(7.2, 3.6)
+    said = []
+    for i, (label, numbers) in enumerate(series.items()):
+        look = {"color": PALETTE[i], "linestyle": LINE_STYLES[i], "linewidth": 2, "marker": "o", "markersize": 5}
+        axes.plot(at, numbers, label=f"{label}: {numbers[-1]} in the end", **look)
+        said.append(f"{label}: {', '.join(str(number) for number in numbers)}")
+    axes.set_ylim(0, total * 1.05)
+    dress(axes, title=title, xlabel=xlabel, ylabel=f"{ylabel}, of {total}", legend=True)
+    when = ", ".join(str(time) for time in at)
+    return Picture(
+        figure, f"{title or 'Counts'}, {ylabel} of {total} at {xlabel} {when}. {words or '; '.join(said) + '.'}"
     )

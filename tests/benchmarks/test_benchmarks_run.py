@@ -1,13 +1,20 @@
 """That each benchmark runs, at a tiny size, and that all programs in it come to the same result. Nothing about time."""
 
 import checks
+import dqn
+import numpy as np
 import planning
 import pytest
 import q_learning
 import startup
 from measure import compile_c, compiler, medians
 
+from course_lib.maze import Action
+
 needs_gcc = pytest.mark.skipif(compiler() is None, reason="gcc is not installed")
+needs_sb3 = pytest.mark.skipif(not dqn.HAS_SB3, reason="stable-baselines3 is not installed")
+needs_keras = pytest.mark.skipif(not dqn.HAS_KERAS, reason="keras is not installed")
+calls_keras = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # of Keras's own
 
 
 def test_turns_are_taken_and_the_first_round_is_not_counted():
@@ -40,6 +47,34 @@ def test_quantecon_finds_the_same_values(method):
     planning.check_quantecon(planning.Maze.random(12, 10, walls=0.2, seed=0).mdp, 0.9, method)
 
 
+def test_the_one_file_loop_makes_the_same_gradient_steps():
+    dqn.check_gradient_steps(100)
+
+
+def test_many_deep_agents_all_go_the_shortest_way():
+    dqn.check_ways(dqn.ours(8), dqn.q_tables_ours(4000, 8))
+
+
+def test_the_one_file_loop_goes_the_shortest_way():
+    dqn.check_ways(dqn.CLEANRL, [dqn.on_threads(1, lambda: dqn.q_table_cleanrl(2000))])
+
+
+@needs_sb3
+def test_stable_baselines3_goes_the_shortest_way():
+    dqn.check_ways(dqn.SB3, [dqn.on_threads(1, lambda: dqn.q_table_sb3(2000))])
+
+
+@needs_keras
+@calls_keras
+def test_the_original_deep_program_runs():
+    dqn.check_original(num_episodes=2)
+
+
+def test_a_way_that_ends_in_a_wall_or_nowhere_is_no_way_to_the_goal():
+    right, down, up = (np.eye(4)[np.full(16, action)] for action in (Action.RIGHT, Action.DOWN, Action.UP))
+    assert [dqn.way_to_goal(q_table) for q_table in (right, down, up)] == [None] * 3
+
+
 def test_q_learning_prints_its_table(capsys):
     q_learning.main(num_episodes=300, original_episodes=1000, repeats=1)
     assert q_learning.TRAIN in capsys.readouterr().out
@@ -60,3 +95,19 @@ def test_checks_prints_its_table(capsys):
 def test_startup_prints_its_tables(capsys):
     startup.main(repeats=1, calls=["QAgent.train"], call_repeats=1)
     assert "import course_lib" in capsys.readouterr().out
+
+
+@calls_keras
+def test_dqn_prints_its_tables(capsys, monkeypatch):
+    monkeypatch.setattr(dqn, "AGENTS", (1, 2))
+    dqn.main(num_steps=40, original_episodes=1, trial_steps=1, check_steps=2000, check_agents=1, repeats=1)
+    assert dqn.ours(2) in capsys.readouterr().out
+
+
+def test_dqn_says_what_is_not_installed(capsys, monkeypatch):
+    for name, value in {"AGENTS": (1,), "HAS_SB3": False, "HAS_KERAS": False}.items():
+        monkeypatch.setattr(dqn, name, value)
+    dqn.main(num_steps=40, trial_steps=1, check_steps=2000, check_agents=1, repeats=1)
+    printed = capsys.readouterr().out
+    assert printed.count("is not installed") == 2
+    assert not any(name in printed for name in (f"| {dqn.SB3}", f"| {dqn.ORIGINAL}"))

@@ -71,6 +71,7 @@ class DQNAgent:
         flat = np.stack([starting_weights(sizes, generator) for generator in generators])
         self._online = Networks(sizes, torch.from_numpy(flat).to(self.device))
         self._target = self._online if self.target_update is None else Networks(sizes, self._online.flat.clone())
+        self._target_table = None  # what the target network says of all states, until it changes
         self._adam = Adam(self._online.flat)
         self._underway = Underway([int(generator.integers(2**31)) for generator in generators])
         self._memory = self.replay and Replay(
@@ -94,6 +95,7 @@ class DQNAgent:
         flat = settings.weights(weights, self._online.flat.shape)
         self._online.flat.copy_(torch.from_numpy(flat))
         self._target.flat.copy_(self._online.flat)
+        self._target_table = None
 
     @property
     def layers(self):
@@ -184,7 +186,7 @@ class DQNAgent:
         following, rewards, terminated, truncated, stepped = lanes.step(actions, playing)
 
         transition = self._inputs.transition(observations, actions, following)
-        outcome = np.stack([rewards, self.gamma * ~(terminated & self.mask_terminal)]).astype(np.float32)
+        outcome = np.array([rewards, self.gamma * ~(terminated & self.mask_terminal)], np.float32)
         transition["reward"], transition["discount"] = torch.from_numpy(outcome).to(self.device)
         if self._memory is None:
             batch, learning = {name: values.unsqueeze(1) for name, values in transition.items()}, stepped
@@ -225,8 +227,13 @@ class DQNAgent:
         """max_a' q'(s', a'), or q'(s', argmax_a' q(s', a')) if `double`, of every row of next_x; float32[E, N]."""
 
         def ask(networks):
-            known = next_x is None and networks is self._online  # all states have been asked about already
-            return passed.q if known else networks.forward(next_x).q
+            if next_x is not None:
+                return networks.forward(next_x).q
+            if networks is self._online:  # has been asked about all states already
+                return passed.q
+            if self._target_table is None:
+                self._target_table = networks.forward(None).q
+            return self._target_table
 
         q = ask(self._target)
         if not self.double:
@@ -239,11 +246,15 @@ class DQNAgent:
         if self.target_update < 1:
             share = torch.from_numpy((self.target_update * learning).astype(np.float32)).to(self.device)
             self._target.flat.lerp_(self._online.flat, share[:, None])
+            self._target_table = None
             return
         due = learning & (self._adam.updates % self.target_update == 0)
+        if not due.any():
+            return
+        self._target_table = None
         if due.all():
             self._target.flat.copy_(self._online.flat)
-        elif due.any():
+        else:
             which = torch.from_numpy(np.flatnonzero(due)).to(self.device)
             self._target.flat.index_copy_(0, which, self._online.flat[which])
 

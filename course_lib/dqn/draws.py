@@ -4,7 +4,7 @@ import numpy as np
 
 from course_lib.files import generator_in
 
-_NUMBERS_AT_ONCE = 2**18  # of all agents together
+_NUMBERS_AT_ONCE = 2**22  # of all agents together
 
 
 class Draws:

@@ -34,6 +34,8 @@ class Networks:
     def __init__(self, sizes, flat):
         self.sizes, self.flat = tuple(sizes), flat
         self.layers = layers_of(self.sizes, flat)
+        self._gradient = torch.empty_like(flat)
+        self._d_layers = layers_of(self.sizes, self._gradient)
 
     def forward(self, x):
         """The `Pass` of inputs x through all networks."""
@@ -45,7 +47,7 @@ class Networks:
             elif x.ndim == 2:
                 x = weights.gather(1, _across(x, weights)) + biases
             else:
-                x = torch.baddbmm(biases, x, weights)
+                x = torch.bmm(x, weights).add_(biases)
             if i < len(self.layers) - 1:
                 x = x.relu_()
         return Pass(inputs, x)
@@ -53,14 +55,15 @@ class Networks:
     def backward(self, passed, dq):
         """The gradient, float32[E, P], of a loss whose derivative by the outputs of a `Pass` is dq, float32[E, N, A].
 
+        It stands in the same tensor every time.
+
         Back-propagation (Rumelhart, Hinton & Williams, 1986): from the last layer to the first, a layer's weights get
         inputs^T dq, and what it was fed gets dq weights^T where the ReLU before it let something through.
         """
-        gradient = torch.empty_like(self.flat)
         for (d_weights, d_biases), (weights, _), x in reversed(
-            list(zip(layers_of(self.sizes, gradient), self.layers, passed.inputs, strict=True))
+            list(zip(self._d_layers, self.layers, passed.inputs, strict=True))
         ):
-            d_biases.copy_(dq.sum(dim=1, keepdim=True))
+            torch.sum(dq, dim=1, keepdim=True, out=d_biases)
             if x is None:
                 d_weights.copy_(dq)
             elif x.ndim == 2:
@@ -70,7 +73,7 @@ class Networks:
             if x is not passed.inputs[0]:
                 dq = torch.bmm(dq, weights.transpose(1, 2))
                 dq = torch.ops.aten.threshold_backward(dq, x, 0.0)
-        return gradient
+        return self._gradient
 
 
 class Adam:
@@ -82,7 +85,7 @@ class Adam:
 
     def __init__(self, flat):
         self.first, self.second = torch.zeros_like(flat), torch.zeros_like(flat)
-        self.updates = np.zeros(len(flat), np.int64)
+        self.updates, self._room = np.zeros(len(flat), np.int64), torch.empty_like(flat)
 
     def step(self, flat, gradient, learning_rate, learning):
         """Move the weights of those networks for which `learning`, bool[E], is true; the others stay as they are.
@@ -94,11 +97,12 @@ class Adam:
         count = np.maximum(self.updates, 1)
         correction = np.sqrt(1 - BETA_2**count)
         step = learning_rate * correction / (1 - BETA_1**count)
-        columns = np.stack([(1 - BETA_1) * learning, (1 - BETA_2) * learning, step * learning, TINY * correction])
-        rate_1, rate_2, step, tiny = torch.from_numpy(columns[:, :, None].astype(np.float32)).to(flat.device)
+        columns = [(1 - BETA_1) * learning, (1 - BETA_2) * learning, step * learning, TINY * correction]
+        rate_1, rate_2, step, tiny = torch.from_numpy(np.array(columns, np.float32)[:, :, None]).to(flat.device)
         self.first.lerp_(gradient, rate_1)
         self.second.lerp_(gradient.square_(), rate_2)
-        flat.sub_(self.first.div(self.second.clamp_min(_FASTER).sqrt_().add_(tiny)).mul_(step))
+        below = torch.clamp_min(self.second, _FASTER, out=self._room).sqrt_().add_(tiny)
+        flat.sub_(torch.div(self.first, below, out=below).mul_(step))
 
 
 def _across(rows, weights):

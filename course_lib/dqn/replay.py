@@ -27,9 +27,9 @@ class Replay:
         everybody = agents.all()
         places = self._first + self.count % self.capacity
         places = torch.from_numpy(places if everybody else places[agents]).to(self.device)
-        chosen = slice(None) if everybody else torch.from_numpy(agents).to(self.device)
+        chosen = None if everybody else torch.from_numpy(agents).to(self.device)
         for name, values in transition.items():
-            self.tensors[name].index_copy_(0, places, values[chosen])
+            self.tensors[name].index_copy_(0, places, values if everybody else values[chosen])
         self.count += agents
 
     def sample(self, numbers):

@@ -103,6 +103,17 @@ def test_only_lanes_that_can_be_begun_by_hand_are_cut_by_max_steps(mode):
 
 
 @every_mode
+def test_an_episode_under_way_in_a_vector_environment_is_given_up_for_a_new_one(mode):
+    """What it does cannot be had again, so the next call begins anew and counts from there."""
+    agent = DQNAgent(counted(mode, [[5], [9]]))
+    agent.train(num_steps=7)
+    assert agent._underway.steps.tolist() == [2, 7]
+    record = agent.train(1)
+    assert record.episode_length.tolist() == [[5], [9]]
+    assert record.episode_return.tolist() == [[15.0], [45.0]]
+
+
+@every_mode
 def test_no_two_lanes_see_the_same_world_one_after_the_other(mode):
     """All end together, so that all begin together: with seeds that only count up, one would follow the other."""
     agent = DQNAgent(side_by_side([Chance] * 3, mode), replay=100, batch_size=2)

@@ -43,7 +43,7 @@ def test_every_agent_plays_exactly_as_many_episodes_as_were_asked_for(world):
 
 def test_an_agent_that_has_finished_is_left_as_it_is_to_the_last_bit():
     """Together they play until the slowest has finished; none is further then than it would be alone."""
-    agent = DQNAgent(Maze(slip=0.2), num_agents=5, **MEMORY)
+    agent = DQNAgent(Maze(slip=0.2, step_reward=-0.1), num_agents=5, **MEMORY)
     step, seen = agent._step, []
 
     def noted(lanes, playing, *rest):

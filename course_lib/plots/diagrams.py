@@ -50,12 +50,14 @@ def neural_network(layers=(4, 6, 3), names=("inputs", "hidden layer", "outputs")
     figure, axes = _canvas(6.6, 3.4)
     rng = np.random.default_rng(0)
     across = np.linspace(0.16, 0.84, len(layers))
-    places = [[(x, 0.5 + (i - (n - 1) / 2) * 0.11) for i in range(n)] for n, x in zip(layers, across, strict=True)]
+    apart = min(0.11, 0.72 / max(layers))
+    thin = (apart / 0.11) ** 2  # many nodes stand closer, and are joined by finer lines
+    places = [[(x, 0.5 + (i - (n - 1) / 2) * apart) for i in range(n)] for n, x in zip(layers, across, strict=True)]
     for here, there in pairwise(places):
         for (x, y), (x_next, y_next) in product(here, there):
-            axes.plot([x, x_next], [y, y_next], color=FAINT, linewidth=0.4 + 2 * rng.random(), zorder=1)
+            axes.plot([x, x_next], [y, y_next], color=FAINT, linewidth=(0.4 + 2 * rng.random()) * thin, zorder=1)
     for column, name in zip(places, names, strict=True):
-        axes.scatter(*zip(*column, strict=True), s=190, color=SKY, edgecolor=INK, zorder=2)
+        axes.scatter(*zip(*column, strict=True), s=190 * thin**0.7, color=SKY, edgecolor=INK, zorder=2)
         _write(axes, column[0][0], 0.08, name)
     _bend(axes, [(0.25, 0.93), (0.75, 0.93)], BLUE)
     _write(axes, 0.5, 0.98, "forward pass: numbers become an answer", fontsize=10)

@@ -9,7 +9,9 @@ from course_lib.validate import fraction, whole_number
 
 @dataclass(eq=False)
 class History:
-    """One entry an episode, in the order they were played. N episodes; an ensemble's arrays are [E, N].
+    """One entry an episode, in the order they were played. N episodes; those of E agents are [E, N].
+
+    An agent that has played fewer than N has empty places at the end of its row: NaN, 0, False and False.
 
     episode_return  float64  undiscounted sum of the episode's rewards
     episode_length  int64    steps
@@ -41,8 +43,9 @@ class History:
 class Rollout:
     """One walk: T steps visit T + 1 states.
 
-    states int64[T + 1], actions int64[T], rewards float64[T]; terminated: the world ended it;
-    truncated: a time limit, or the walk's own `max_steps`, did.
+    states       int64[T + 1], or float32[T + 1, …] where observations are vectors
+    actions      int64[T];  rewards  float64[T]
+    terminated   whether the world ended it; truncated: a time limit, or the walk's own `max_steps`, did
     """
 
     states: np.ndarray

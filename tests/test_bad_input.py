@@ -92,9 +92,21 @@ def agent_with(w, **changes):
     return agent
 
 
+def deep_in(w, env):
+    """The DQN agents, in another world."""
+    agents = copy.copy(w.deep)
+    agents.env = env
+    return agents
+
+
 class Pixels(gymnasium.Env):
     observation_space = gymnasium.spaces.Box(0, 1, (2,))
     action_space = gymnasium.spaces.Discrete(2)
+
+
+class ManyPixels(gymnasium.Env):
+    observation_space = gymnasium.spaces.Box(0, 1, (16,))
+    action_space = gymnasium.spaces.Discrete(4)
 
 
 class Steering(gymnasium.Env):
@@ -208,6 +220,13 @@ BAD_DQN = [
     (lambda w: w.deep.test(max_steps=0), "max_steps must be at least 1, got 0"),
     (lambda w: w.deep.test(seed=-1), "seed must be at least 0, got -1"),
     (lambda w: w.deep.test(seed=None), "seed must be a whole number, got None"),
+    (lambda w: deep_in(w, Maze.random(5, 5)).train(1), "layers of (16, 20, 4) nodes, this env needs others"),
+    (lambda w: deep_in(w, Maze.random(5, 5)).test(), "this env needs others: (25, 20, 4)"),
+    (lambda w: deep_in(w, Pixels()).test(), "this env needs others: (2, 20, 2)"),
+    (lambda w: deep_in(w, ManyPixels()).train(1), "this env needs others"),
+    (lambda w: deep_in(w, Steering()).train(1), "DQNAgent needs an environment with a Discrete action_space, got Box"),
+    (lambda w: deep_in(w, None).test(), "Discrete or Box observation_space, got None"),
+    (lambda w: deep_in(w, three_lanes("FrozenLake-v1")).train(1), "a lane an agent, got 3 lanes for 2 agents"),
     (lambda w: w.deep.q_values(3), "observations must be states, int[B] or int[2, B], got int64[]"),
     (lambda w: w.deep.q_values([3.0]), "observations must be states, int[B] or int[2, B], got float64[1]"),
     (lambda w: w.deep.q_values([True]), "observations must be states, int[B] or int[2, B], got bool[1]"),

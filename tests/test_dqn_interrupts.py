@@ -212,10 +212,21 @@ def test_a_signal_from_outside_stops_an_endless_training_after_a_whole_step(swit
     assert everything(agent) == everything(unbroken)
 
 
-def test_a_signal_in_the_very_last_step_is_not_forgotten():
-    agent, made = interrupted(Chance, press_ctrl_c, 20, num_agents=1, num_episodes=5)
-    assert made == 20
-    assert len(agent.history) == 5
+@pytest.mark.parametrize(("number", "where", "episodes"), [(20, "step", 5), (6, "reset", 5), (1, "reset", 0)])
+def test_a_signal_at_the_very_end_is_not_forgotten(number, where, episodes):
+    """It comes in the last step, in the reset after it, or where there is no step at all."""
+    agent, made = interrupted(Chance, press_ctrl_c, number, where, num_agents=1, num_episodes=episodes)
+    assert made == 4 * episodes
+    assert len(agent.history) == episodes
+
+
+def test_training_in_a_thread_where_there_are_no_signals_is_training():
+    usual, threaded = (DQNAgent(Maze(slip=0.2), num_agents=2) for _ in range(2))
+    usual.train(num_steps=30)
+    thread = threading.Thread(target=threaded.train, kwargs={"num_steps": 30})
+    thread.start()
+    thread.join()
+    assert everything(threaded) == everything(usual)
 
 
 def test_a_handler_that_somebody_has_set_is_the_one_that_is_asked():
@@ -226,6 +237,10 @@ def test_a_handler_that_somebody_has_set_is_the_one_that_is_asked():
 
     signal.signal(signal.SIGINT, note)
     agent = DQNAgent(Stopped(Chance(), press_ctrl_c, 7))
-    assert len(agent.train(5)) == 5
+    try:
+        agent.train(5)
+    except KeyboardInterrupt:
+        pytest.fail("another's handler was put aside")
+    assert len(agent.history) == 5
     assert signal.getsignal(signal.SIGINT) is note
     assert heard == [signal.SIGINT]

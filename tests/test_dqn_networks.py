@@ -266,24 +266,6 @@ def test_the_layers_of_an_agent_are_copies_and_say_what_it_says():
     assert torch.equal(agent._online.flat, before)
 
 
-@pytest.mark.parametrize("switches", [{}, {"target_update": 5}], ids=["q alone", "with q'"])
-def test_weights_can_be_taken_and_put_back(switches):
-    agent = DQNAgent(WORLDS["slippery maze"](), num_agents=2, **switches)
-    agent.train(num_steps=20)
-    best, said = agent.weights, agent.q_values([0, 5])
-    assert (best.dtype, best.shape) == (np.float32, (2, 16 * 20 + 20 + 20 * 4 + 4))
-    np.testing.assert_array_equal(best[:, :320].reshape(2, 16, 20), agent.layers[0][0])
-    agent.train(num_steps=20)
-    assert (agent.weights != best).any(axis=1).all()
-    agent.weights = best.tolist()
-    assert agent.q_values([0, 5]).tobytes() == said.tobytes()
-    assert torch.equal(agent._target.flat, agent._online.flat)
-    agent.train(num_steps=5)
-    assert (agent.weights != best).any(axis=1).all(), "what was put in is not what is learned in"
-    agent.weights[:] = 0.0
-    assert agent.weights.any()
-
-
 @every_shape
 def test_layers_are_views_that_fill_a_row_without_gaps(sizes):
     flat = torch.zeros(2, number_of_weights(sizes))

@@ -2,7 +2,6 @@
 
 import random
 import signal
-import threading
 import warnings
 
 import gymnasium
@@ -252,13 +251,24 @@ def test_an_error_in_the_world_changes_nothing_and_training_goes_on_after_it(whe
     assert learned(agent) == learned(unbroken)
 
 
-def test_training_in_a_thread_is_training():
-    usual, threaded = (DQNAgent(Maze(slip=0.2), num_agents=2) for _ in range(2))
-    usual.train(num_steps=30)
-    thread = threading.Thread(target=threaded.train, kwargs={"num_steps": 30})
-    thread.start()
-    thread.join()
-    assert everything(threaded) == everything(usual)
+class Peeking(Chance):
+    """It looks at what the training has made of torch, for as long as it lasts."""
+
+    def step(self, action):
+        self.seen = torch.get_num_threads(), torch.is_grad_enabled(), takes_tiny_numbers_for_zero()
+        return super().step(action)
+
+
+@pytest.mark.usefixtures("shared")
+def test_small_tensors_are_computed_with_one_thread_without_a_tape_and_without_tiny_numbers():
+    before = takes_tiny_numbers_for_zero()
+    possible = torch.set_flush_denormal(True)
+    torch.set_flush_denormal(before)
+    agent = DQNAgent(Peeking())
+    for call in (agent.train, agent.test):
+        agent.env.seen = None
+        call(1)
+        assert agent.env.seen == (1, False, possible)
 
 
 def test_a_bar_changes_nothing_and_goes_to_stderr(capsys):

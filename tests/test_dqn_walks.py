@@ -74,6 +74,21 @@ def test_a_walk_is_cut_by_its_own_limit_or_the_worlds(wrap):
         assert (len(walk), len(walk.states)) == (4, 5)
 
 
+def test_agents_can_walk_in_another_world_than_they_learn_in():
+    walked, unwalked = (DQNAgent(Maze(slip=0.2), num_agents=2, **MEMORY) for _ in range(2))
+    for agent in (walked, unwalked):
+        agent.train(num_steps=50)
+    own, walked.env = walked.env, Maze(wall_ends_episode=False)
+    for i, walk in enumerate(walked.test(max_steps=9)):
+        q, moves = walked.q_values(walk.states)[i], walked.env.mdp.next_state[:, :, 0]
+        assert walk.actions.tolist() == q[:-1].argmax(axis=1).tolist()
+        assert walk.states[1:].tolist() == moves[walk.states[:-1], walk.actions].tolist()
+    walked.env = own
+    for agent in (walked, unwalked):
+        agent.train(num_steps=50)
+    assert everything(walked) == everything(unwalked)
+
+
 # --- answers ----------------------------------------------------------------------------------------------------------
 
 
@@ -181,3 +196,47 @@ def test_an_environment_that_reuses_its_observation_is_remembered_right():
     for agent in (plain, reusing):
         agent.train(num_steps=30)
     assert everything(plain) == everything(reusing)
+
+
+# --- a world put in another's place -----------------------------------------------------------------------------------
+
+
+def test_another_world_with_the_same_spaces_can_be_put_in():
+    agent = DQNAgent(Maze(wall_reward=0.0), seed=1)
+    agent.train(num_episodes=20)
+    agent.env = Maze(wall_reward=-5.0, step_reward=-1.0)
+    (walk,) = agent.test(max_steps=3)
+    assert walk.rewards.max() < 0
+    assert agent.train(num_episodes=5).episode_return.max() < 0
+
+
+@pytest.mark.parametrize(
+    ("world", "words"),
+    [
+        (Maze.random(5, 5), "layers of (16, 20, 4) nodes, this env needs others: (25, 20, 4)"),
+        (gymnasium.make("CartPole-v1"), "this env needs others: (4, 20, 2)"),
+        (gymnasium.make_vec("CartPole-v1", num_envs=3), "got 3 lanes for 1 agents"),
+        (None, "Discrete or Box observation_space, got None"),
+    ],
+)
+@pytest.mark.parametrize("call", [lambda agent: agent.train(num_steps=3), lambda agent: agent.test()])
+def test_a_world_that_the_networks_do_not_fit_is_refused(world, words, call):
+    agent = DQNAgent(Maze())
+    agent.train(num_steps=5)
+    before, record, agent.env = agent.weights, agent.history, world
+    with pytest.raises(ValueError, match=r"^[^\n]+$") as error:
+        call(agent)
+    assert words in str(error.value)
+    assert (agent.weights == before).all()
+    assert agent.history is record
+
+
+def test_numbers_and_vectors_of_the_same_size_are_not_the_same():
+    class Four(gymnasium.Env):
+        def __init__(self, space):
+            self.observation_space, self.action_space = space, gymnasium.spaces.Discrete(2)
+
+    agent = DQNAgent(Four(gymnasium.spaces.Discrete(4)))
+    agent.env = Four(gymnasium.spaces.Box(0, 1, (4,)))
+    with pytest.raises(ValueError, match="another kind of observations"):
+        agent.test()

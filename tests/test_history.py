@@ -26,6 +26,14 @@ def test_the_curve_of_an_ensemble_is_each_agents_own():
     np.testing.assert_allclose(history(returns).curve(5), expected, atol=1e-12)
 
 
+def test_the_curve_of_an_agent_with_fewer_episodes_ends_where_they_end():
+    returns = np.array([[1.0, 2.0, 3.0, 4.0], [1.0, 3.0, np.nan, np.nan]])
+    curve = history(returns).curve(2)
+    assert curve[0].tolist() == [1.0, 1.5, 2.5, 3.5]
+    assert curve[1, :2].tolist() == [1.0, 2.0]
+    assert np.isnan(curve[1, 2:]).all()
+
+
 def test_the_curve_leaves_the_history_as_it_was():
     record = history([1, 2, 3])
     record.curve(2)

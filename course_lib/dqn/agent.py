@@ -40,7 +40,8 @@ class DQNAgent:
     seed             agent i draws everything from seed + i, and is the agent one gets alone with that seed
 
     The defaults are the first agent of lesson 6 with the terminal mask. `epsilon` is float64[E], `history` the latest
-    `train`'s. `ValueError` for a setting out of range and for spaces of another kind.
+    `train`'s; `env` may be replaced by one with the same spaces, to test elsewhere than one trains. `ValueError` for a
+    setting out of range and for spaces of another kind.
     """
 
     def __init__(
@@ -71,6 +72,7 @@ class DQNAgent:
         flat = np.stack([starting_weights(sizes, generator) for generator in generators])
         self._online = Networks(sizes, torch.from_numpy(flat).to(self.device))
         self._target = self._online if self.target_update is None else Networks(sizes, self._online.flat.clone())
+        self._everybody = torch.arange(self.num_agents, device=self.device)
         self._target_table = None  # what the target network says of all states, until it changes
         self._adam = Adam(self._online.flat)
         self._underway = Underway([int(generator.integers(2**31)) for generator in generators])
@@ -121,9 +123,9 @@ class DQNAgent:
         """
         wanted = settings.how_long(num_episodes, num_steps)
         max_steps = whole_number("max_steps", max_steps, at_least=1)
+        lanes = self._lanes()
         ended, stepped = Ended(self.num_agents), np.zeros(self.num_agents, np.int64)
         bar = _bar(num_episodes, num_steps, self.num_agents) if progress else None
-        lanes = lanes_of(self.env, self.num_agents)
         try:
             with small_tensors(), whole_steps() as stop_if_asked:
                 self._underway.go_on(lanes)
@@ -146,9 +148,9 @@ class DQNAgent:
         """
         num_episodes = whole_number("num_episodes", num_episodes, at_least=1)
         max_steps, seed = whole_number("max_steps", max_steps, at_least=1), whole_number("seed", seed)
+        lanes = self._lanes()
         generators = [np.random.default_rng((seed, int(first))) for first in self._underway.first_seeds]
         seeds = np.stack([generator.integers(2**31, size=num_episodes) for generator in generators])
-        lanes = lanes_of(self.env, self.num_agents)
         with small_tensors():
             walks = greedy_walks(lanes, lambda seen: self._look(seen)[1].argmax(axis=1), seeds, max_steps)
         first_action = int(settings.spaces(self.env)[1].start)
@@ -168,11 +170,23 @@ class DQNAgent:
         """
         return saved.load(cls, path, env, device)
 
+    def _lanes(self):
+        """The worlds to play in. `env` may have been replaced: `ValueError` if the networks do not fit it any more."""
+        settings.number_of_agents(self.num_agents, self.env)
+        inputs = inputs_of(*settings.spaces(self.env), self.device)
+        needed = settings.network_sizes(self.env, self.hidden)
+        if needed != self._online.sizes:
+            raise ValueError(f"the networks have layers of {self._online.sizes} nodes, this env needs others: {needed}")
+        if type(inputs) is not type(self._inputs):
+            raise ValueError(f"the networks were made for another kind of observations than {self.env}'s")
+        self._inputs = inputs
+        return lanes_of(self.env, self.num_agents)
+
     def _look(self, observations):
         """The `Pass` for what the agents see, and what they think of it, float32[E, A]."""
         x, rows = self._inputs.asked(observations)
         passed = self._online.forward(x)
-        return passed, passed.q.cpu().numpy()[np.arange(self.num_agents), rows]
+        return passed, passed.q[self._everybody, torch.from_numpy(rows).to(self.device)].cpu().numpy()
 
     def _step(self, lanes, playing, max_steps, ended):
         """One step of the agents that are `playing`, and what is learned from it. Which agents really stepped, bool[E].

@@ -223,7 +223,7 @@ BAD_DQN = [
     (lambda w: deep_in(w, Maze.random(5, 5)).train(1), "layers of (16, 20, 4) nodes, this env needs others"),
     (lambda w: deep_in(w, Maze.random(5, 5)).test(), "this env needs others: (25, 20, 4)"),
     (lambda w: deep_in(w, Pixels()).test(), "this env needs others: (2, 20, 2)"),
-    (lambda w: deep_in(w, ManyPixels()).train(1), "this env needs others"),
+    (lambda w: deep_in(w, ManyPixels()).train(1), "made for another kind of observations than <ManyPixels"),
     (lambda w: deep_in(w, Steering()).train(1), "DQNAgent needs an environment with a Discrete action_space, got Box"),
     (lambda w: deep_in(w, None).test(), "Discrete or Box observation_space, got None"),
     (lambda w: deep_in(w, three_lanes("FrozenLake-v1")).train(1), "a lane an agent, got 3 lanes for 2 agents"),

@@ -128,8 +128,9 @@ class VectorLanes:
 
     def begin(self, lanes, seeds):
         if self.observations is None or (lanes.all() and not self.begins_by_itself):
-            seed = int(np.random.default_rng(seeds).integers(2**31))  # lanes get this one and those after it
-            self.observations = self.encode(self.env.reset(seed=seed)[0])
+            generator = np.random.default_rng(seeds)
+            first = int(generator.integers(2**31))  # the lanes get this one and those after it
+            self.observations = self.encode(self.env.reset(seed=first)[0])
             self.over[:] = False
         elif lanes.any() and not self.begins_by_itself:
             self._reset(lanes)

@@ -148,6 +148,9 @@ def test_states_and_actions_may_begin_at_any_number(first_state, first_action):
     assert walk.states.tolist() == states.tolist()
     assert walk.actions.tolist() == [first_action + 1] * 4
     assert (usual_walk.states + first_state).tolist() == walk.states.tolist()
+    usual.env = moved.env
+    [walk_there] = usual.test(max_steps=20)
+    assert (walk_there.states.tolist(), walk_there.actions.tolist()) == (walk.states.tolist(), walk.actions.tolist())
 
 
 class Tables(gymnasium.ObservationWrapper):

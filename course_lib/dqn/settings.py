@@ -51,7 +51,8 @@ def positive(name, value):
 def weights(weights, shape):
     """`weights` as float32 of that shape, all finite."""
     try:
-        flat = np.array(weights, np.float32)
+        with np.errstate(over="ignore"):  # what is too large becomes infinite, and is refused below
+            flat = np.array(weights, np.float32)
     except (TypeError, ValueError):
         raise ValueError(f"weights must be numbers, got {weights!r}") from None
     if flat.shape != tuple(shape) or not np.isfinite(flat).all():

@@ -27,7 +27,7 @@ _HOME_OF = {
     "History": "history",
     "Rollout": "history",
 }
-_MODULES = ("bellman", "dqn", "history", "maze", "mdp", "plots", "q_table")
+_MODULES = ("bellman", "dqn", "history", "market", "maze", "mdp", "plots", "q_table")
 
 __all__ = sorted([*_HOME_OF, *_MODULES])
 
@@ -53,3 +53,4 @@ gymnasium.register(
     entry_point="course_lib.maze:Maze",
     max_episode_steps=1000,
 )
+gymnasium.register(id="course_lib/Side-v0", entry_point="course_lib.market:SideEnv")

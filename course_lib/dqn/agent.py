@@ -9,6 +9,7 @@ from course_lib.dqn.draws import Draws
 from course_lib.dqn.episodes import Ended, Underway
 from course_lib.dqn.inputs import inputs_of
 from course_lib.dqn.lanes import lanes_of
+from course_lib.dqn.masks import nth_possible
 from course_lib.dqn.networks import Adam, Networks, starting_weights
 from course_lib.dqn.replay import Replay
 from course_lib.dqn.walks import greedy_walks
@@ -31,10 +32,13 @@ class DQNAgent:
     epsilon          how often an action is random, in [0, 1]; multiplied by epsilon_decay after every episode
     replay           how many transitions an agent remembers to learn from (Lin, 1992); None: only the latest
     batch_size       transitions in a gradient step; one follows every step in the world, once there are that many
+    learning_starts  how many transitions an agent collects before it begins to learn; None: batch_size
     target_update    gradient steps between copies of q to q'; a fraction below 1: how much of the way to q the target
                      network goes after each of them (Lillicrap et al., 2016); None: no target network
     double           q chooses the action, q' says what it is worth (van Hasselt et al., 2016)
     mask_terminal    False: bootstrap from terminal states too, a mistake that lesson 6 makes on purpose
+    mask_actions     leave out the actions that `info["action_mask"]` rules out, when acting and in y. `ValueError` from
+                     an environment without such masks, or with one of another shape or that rules out everything
     num_agents       E; None: 1, or the lanes of a `VectorEnv`
     device           where networks and memories are: 'cpu' or 'cuda'
     seed             agent i draws everything from seed + i, and is the agent one gets alone with that seed
@@ -46,7 +50,8 @@ class DQNAgent:
 
     def __init__(
         self, env, *, hidden=(20,), gamma=0.95, learning_rate=1e-3, epsilon=0.5, epsilon_decay=0.999, replay=None,
-        batch_size=1, target_update=None, double=False, mask_terminal=True, num_agents=None, device="cpu", seed=0,
+        batch_size=1, learning_starts=None, target_update=None, double=False, mask_terminal=True, mask_actions=False,
+        num_agents=None, device="cpu", seed=0,
     ):  # fmt: skip
         self.env = settings.environment(env)
         sizes = settings.network_sizes(self.env, hidden)
@@ -59,8 +64,9 @@ class DQNAgent:
         self.replay = None if replay is None else whole_number("replay", replay, at_least=self.batch_size)
         if replay is None and self.batch_size > 1:
             raise ValueError(f"a batch_size of {batch_size} needs a replay buffer to draw from, got replay=None")
+        self.learning_starts = settings.learning_starts(learning_starts, self.batch_size, self.replay)
         self.target_update = settings.target_update(target_update)
-        self.double, self.mask_terminal = bool(double), bool(mask_terminal)
+        self.double, self.mask_terminal, self.mask_actions = bool(double), bool(mask_terminal), bool(mask_actions)
         if self.double and self.target_update is None:
             raise ValueError("double needs a target network to ask for a second opinion, got target_update=None")
         self.num_agents = settings.number_of_agents(num_agents, self.env)
@@ -76,9 +82,10 @@ class DQNAgent:
         self._target_table = None  # what the target network says of all states, until it changes
         self._adam = Adam(self._online.flat)
         self._underway = Underway([int(generator.integers(2**31)) for generator in generators])
-        self._memory = self.replay and Replay(
-            self.num_agents, self.replay, _REMEMBERED | self._inputs.fields, self.device
-        )
+        fields = _REMEMBERED | self._inputs.fields
+        if self.mask_actions:
+            fields["next_possible"] = (sizes[-1:], torch.bool)
+        self._memory = self.replay and Replay(self.num_agents, self.replay, fields, self.device)
         self._draws = Draws(generators, 2 + (self.batch_size if self.replay else 0))
         self.epsilon = np.full(self.num_agents, epsilon)
         self.history = Ended(self.num_agents).history()
@@ -107,7 +114,8 @@ class DQNAgent:
     def q_values(self, observations):
         """What the networks say, float32[E, B, A], of B observations: [B, …] for all agents alike, or [E, B, …].
 
-        A batch of Discrete observations is int[B]; one state is a batch of one. `ValueError` for anything else.
+        A batch of Discrete observations is int[B]; one state is a batch of one. `ValueError` for anything else. Nothing
+        is masked: an impossible action has a value too, which means nothing.
         """
         with small_tensors():
             return self._online.forward(self._inputs.question(observations, self.num_agents)).q.cpu().numpy()
@@ -152,7 +160,7 @@ class DQNAgent:
         generators = [np.random.default_rng((seed, int(first))) for first in self._underway.first_seeds]
         seeds = np.stack([generator.integers(2**31, size=num_episodes) for generator in generators])
         with small_tensors():
-            walks = greedy_walks(lanes, lambda seen: self._look(seen)[1].argmax(axis=1), seeds, max_steps)
+            walks = greedy_walks(lanes, lambda _: self._look_and_choose(lanes)[1], seeds, max_steps)
         first_action = int(settings.spaces(self.env)[1].start)
         for walk in walks:
             walk.states, walk.actions = self._inputs.as_seen(walk.states), walk.actions + first_action
@@ -180,7 +188,7 @@ class DQNAgent:
         if type(inputs) is not type(self._inputs):
             raise ValueError(f"the networks were made for another kind of observations than {self.env}'s")
         self._inputs = inputs
-        return lanes_of(self.env, self.num_agents)
+        return lanes_of(self.env, self.num_agents, self.mask_actions)
 
     def _look(self, observations):
         """The `Pass` for what the agents see, and what they think of it, float32[E, A]."""
@@ -188,26 +196,39 @@ class DQNAgent:
         passed = self._online.forward(x)
         return passed, passed.q[self._everybody, torch.from_numpy(rows).to(self.device)].cpu().numpy()
 
+    def _look_and_choose(self, lanes):
+        """The `Pass` for what the agents see, and a best possible action of each, int64[E]."""
+        passed, q = self._look(lanes.observations)
+        return passed, (np.where(lanes.possible, q, -np.inf) if self.mask_actions else q).argmax(axis=1)
+
     def _step(self, lanes, playing, max_steps, ended):
         """One step of the agents that are `playing`, and what is learned from it. Which agents really stepped, bool[E].
 
         Whatever a stranger's environment raises, it raises before anything is changed, or when all is done.
         """
         drawn, observations = self._draws.rows(), lanes.observations
-        passed, q = self._look(observations)
-        at_random = (drawn[:, 1] * q.shape[1]).astype(np.int64)
-        actions = np.where(drawn[:, 0] < self.epsilon, at_random, q.argmax(axis=1))
+        explores = drawn[:, 0] < self.epsilon
+        passed = best = None
+        if self._memory is None or self._inputs.asks_all or not explores.all():
+            passed, best = self._look_and_choose(lanes)
+        if self.mask_actions:
+            at_random = nth_possible(lanes.possible, drawn[:, 1])
+        else:
+            at_random = (drawn[:, 1] * self._inputs.num_actions).astype(np.int64)
+        actions = at_random if best is None else np.where(explores, at_random, best)
         following, rewards, terminated, truncated, stepped = lanes.step(actions, playing)
 
         transition = self._inputs.transition(observations, actions, following)
         outcome = np.array([rewards, self.gamma * ~(terminated & self.mask_terminal)], np.float32)
         transition["reward"], transition["discount"] = torch.from_numpy(outcome).to(self.device)
+        if self.mask_actions:
+            transition["next_possible"] = torch.from_numpy(lanes.next_possible).to(self.device)
         if self._memory is None:
             batch, learning = {name: values.unsqueeze(1) for name, values in transition.items()}, stepped
         else:
             self._memory.store(transition, stepped)
-            batch = self._memory.sample(drawn[:, 2:])
-            learning = stepped & (self._memory.count >= self.batch_size)
+            learning = stepped & (self._memory.count >= self.learning_starts)
+            batch = self._memory.sample(drawn[:, 2:]) if learning.any() else None
         if learning.any():
             self._learn(passed, batch, learning)
 
@@ -229,7 +250,11 @@ class DQNAgent:
         x, entries, next_x, next_rows = self._inputs.batch(batch)
         if x is not None:
             passed = self._online.forward(x)
-        y = batch["reward"] + batch["discount"] * self._best_next(passed, next_x).gather(1, next_rows)
+        if self.mask_actions:
+            best = self._best_next(passed, next_x, next_rows, batch["next_possible"])
+        else:
+            best = self._best_next(passed, next_x).gather(1, next_rows)
+        y = batch["reward"] + batch["discount"] * best
         q = passed.q.flatten(1)
         error = q.gather(1, entries) - y
         dq = torch.zeros_like(q).scatter_add_(1, entries, error * (2 / error.shape[1]))
@@ -237,22 +262,30 @@ class DQNAgent:
         self._adam.step(self._online.flat, gradient, self.learning_rate, learning)
         self._update_target(learning)
 
-    def _best_next(self, passed, next_x):
-        """max_a' q'(s', a'), or q'(s', argmax_a' q(s', a')) if `double`, of every row of next_x; float32[E, N]."""
+    def _best_next(self, passed, next_x, rows=None, possible=None):
+        """max_a' q'(s', a'), or q'(s', argmax_a' q(s', a')) if `double`, of every row of next_x; float32[E, N].
+
+        With masks, bool[E, B, A], of those rows, int64[E, B], over their possible actions; float32[E, B].
+        """
 
         def ask(networks):
             if next_x is not None:
                 return networks.forward(next_x).q
             if networks is self._online:  # has been asked about all states already
-                return passed.q
-            if self._target_table is None:
-                self._target_table = networks.forward(None).q
-            return self._target_table
+                q = passed.q
+            else:
+                if self._target_table is None:
+                    self._target_table = networks.forward(None).q
+                q = self._target_table
+            return q if possible is None else q.gather(1, rows.unsqueeze(2).expand(possible.shape))
+
+        def only_possible(q):
+            return q if possible is None else q.masked_fill(~possible, -torch.inf)
 
         q = ask(self._target)
         if not self.double:
-            return q.amax(dim=2)
-        return q.gather(2, ask(self._online).argmax(dim=2, keepdim=True)).squeeze(2)
+            return only_possible(q).amax(dim=2)
+        return q.gather(2, only_possible(ask(self._online)).argmax(dim=2, keepdim=True)).squeeze(2)
 
     def _update_target(self, learning):
         if self.target_update is None:

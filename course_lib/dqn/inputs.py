@@ -8,6 +8,7 @@ transition(s, a, s_next)    those fields of one transition an agent, {name: tens
 asked(observations)         x, what to put into the networks, and which row of the answer is each agent's, int64[E]
 question(observations, E)   x for a learner's batch, [B, …] or [E, B, …]; `ValueError` for what is no batch
 as_seen(observations)       what the environment itself calls a stack of encoded observations
+asks_all                    whether what is asked about to act serves for learning, too
 batch(batch)                x, entries, next x, next rows: what to put in, and which entries s * A + a and which rows of
                             the answers belong to the transitions of a batch, int64[E, B]
 """
@@ -28,6 +29,8 @@ def inputs_of(observations, actions, device):
 
 class Vectors:
     """Box observations, flattened to float32[n]: what is asked about goes through the networks as it is."""
+
+    asks_all = False
 
     def __init__(self, space, num_actions, device):
         self.num_actions, self.device, self.shape = num_actions, device, space.shape
@@ -99,6 +102,8 @@ class FewStates(ManyStates):
     An answer is then a whole table, the same for acting and for learning, and a batch picks from it. The gradient is
     that of the batch: what a state was picked for is added up.
     """
+
+    asks_all = True
 
     def __init__(self, space, num_actions, device):
         super().__init__(space, num_actions, device)

@@ -3,6 +3,8 @@
 import numpy as np
 import torch
 
+NUMPYS = {torch.float32: np.float32, torch.int64: np.int64, torch.bool: np.bool_}  # what stands for it in NumPy
+
 
 class Replay:
     """The last `capacity` transitions of each of E agents, in tensors of [E * capacity, …], the oldest overwritten.
@@ -48,4 +50,4 @@ def _zeros(shape, dtype, device):
     """Zeros; on a processor by way of NumPy, which takes no memory for what has never been stored in."""
     if device.type != "cpu":
         return torch.zeros(shape, dtype=dtype, device=device)
-    return torch.from_numpy(np.zeros(shape, np.float32 if dtype == torch.float32 else np.int64))
+    return torch.from_numpy(np.zeros(shape, NUMPYS[dtype]))

@@ -5,11 +5,12 @@ import torch
 
 from course_lib.dqn import settings as wanted
 from course_lib.dqn.networks import number_of_weights
+from course_lib.dqn.replay import NUMPYS
 from course_lib.files import generator_in, load_arrays, save_arrays
 
 _SETTINGS = (
-    "hidden", "gamma", "learning_rate", "epsilon_decay", "replay", "batch_size", "target_update", "double",
-    "mask_terminal", "num_agents", "seed",
+    "hidden", "gamma", "learning_rate", "epsilon_decay", "replay", "batch_size", "learning_starts", "target_update",
+    "double", "mask_terminal", "mask_actions", "num_agents", "seed",
 )  # fmt: skip
 
 
@@ -31,7 +32,8 @@ def load(cls, path, env, device):
     arrays, settings = load_arrays(path, kind="DQNAgent")
     env = wanted.environment(env)
     try:
-        chosen = {name: settings["agent"][name] for name in _SETTINGS}
+        told = {"mask_actions": False, "learning_starts": None} | settings["agent"]  # which older files do not have
+        chosen = {name: told[name] for name in _SETTINGS}
         generators = [generator_in(state) for state in settings["generators"]]
         sizes, shape = tuple(int(size) for size in settings["sizes"]), arrays["weights"].shape
         told = len(generators), number_of_weights(sizes)
@@ -91,12 +93,14 @@ def _fill(agent, arrays):
     if agent._memory is not None:
         filled = int(np.minimum(agent._memory.count, agent.replay).max())
         for name, live in _memories(agent).items():
-            kind = np.float32 if live.dtype == torch.float32 else np.int64
             shape = (agent.num_agents, filled, *live.shape[2:])
-            live[:, :filled] = torch.from_numpy(_checked(arrays, name, shape, kind))
+            live[:, :filled] = torch.from_numpy(_checked(arrays, name, shape, NUMPYS[live.dtype]))
         for name, most in agent._inputs.most.items():
             _within(arrays, name, 0, most)
         _within(arrays, "discount", 0, 1)
+        stored = np.arange(filled) < agent._memory.count[:, None]
+        if agent.mask_actions and not arrays["next_possible"].any(axis=2)[stored].all():
+            raise ValueError("next_possible rules out every action")
 
 
 def _checked(arrays, name, shape, dtype):

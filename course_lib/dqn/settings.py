@@ -62,6 +62,15 @@ def weights(weights, shape):
     return flat
 
 
+def learning_starts(learning_starts, batch_size, replay):
+    if learning_starts is None:
+        return batch_size
+    learning_starts = whole_number("learning_starts", learning_starts, at_least=batch_size)
+    if replay is None and learning_starts > 1:
+        raise ValueError(f"learning_starts of {learning_starts} needs a replay buffer to collect in, got replay=None")
+    return learning_starts
+
+
 def target_update(target_update):
     if target_update is None:
         return None

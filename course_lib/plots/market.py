@@ -134,7 +134,7 @@ def grid_of_states(advantage, *, visits=None, n=None, xlabel="bars since the opp
 
     advantage  (long, short), each float64[n * n], state = row * n + column, row 0 the lowest price: at the bottom
     visits     int[n * n], how often each state has been seen; unseen ones stay empty
-    Arrows: ▲ buy, ▼ sell where it is worth it; the colour says how much, in basis points of the money.
+    ▲ buy, ▼ sell where it is worth it, else a dot; the colour says how much, in basis points of the money.
     """
     import seaborn
 
@@ -150,10 +150,9 @@ def grid_of_states(advantage, *, visits=None, n=None, xlabel="bars since the opp
         cbar_kws={"label": "advantage of opening (basis points)\nbelow 0: of selling"},
     )  # fmt: skip
     for row, column in np.argwhere(seen):
-        if best[row, column]:
-            sign = "▲" if best[row, column] > 0 else "▼"
-            strong = abs(best[row, column]) > 0.6 * bound
-            axes.text(column + 0.5, n - row - 0.5, sign, ha="center", va="center", color="white" if strong else INK)
+        sign = "▲" if best[row, column] > 0 else "▼" if best[row, column] < 0 else "·"
+        strong = abs(best[row, column]) > 0.6 * bound
+        axes.text(column + 0.5, n - row - 0.5, sign, ha="center", va="center", color="white" if strong else INK)
     axes.set_yticks(np.arange(n) + 0.5, np.arange(n)[::-1], rotation=0)
     axes.set_xticks(np.arange(n) + 0.5, np.arange(n), rotation=0)
     axes.set_xlabel(f"column: {xlabel}", fontsize=10, color=INK)

@@ -140,6 +140,63 @@ def q_learning(
     return epsilon
 
 
+@compiled
+def q_learning_along(
+    q_table, visits, moves, counts, starts, rng, world_rng,
+    gamma, alpha, alpha_power, rates, epsilon, epsilon_decay, max_steps, budget, carry, returns, lengths, terminated,
+):  # fmt: skip
+    """`q_learning` where only the start is drawn, from (first, step, number), and where actions may be impossible.
+
+    A state has a row of A moves, the first counts[S] of them possible; moves = (entry of q_table, first move of the
+    next state, how many there are: none after an end, reward). rates[n] keeps the n-th update's rate, or 0.
+    """
+    entries, next_first, next_count, rewards = moves
+    q_table, visits, num_actions = q_table.reshape(-1), visits.reshape(-1), np.uint64(q_table.shape[1])
+    episode, step, state, episode_return = int(carry[0]), int(carry[1]), np.uint64(carry[2]), carry[3]
+    while budget > 0 and episode < len(returns):
+        if step == 0:
+            state, episode_return = np.uint64(starts[0] + starts[1] * int(world_rng.random() * starts[2])), 0.0
+        first, count, step_before = state * num_actions, np.uint64(counts[state]), step
+        stop = min(max_steps, step + budget)
+        while step < stop and count > ZERO:
+            if rng.random() < epsilon:
+                move = first + np.uint64(rng.random() * count)
+            else:
+                move, best, ties = first, q_table[entries[first]], 1
+                for m in range(first + ONE, first + count):
+                    if q_table[entries[m]] > best:
+                        move, best, ties = m, q_table[entries[m]], 1
+                    elif q_table[entries[m]] == best:
+                        ties += 1
+                nth = int(rng.random() * ties) if ties > 1 else 0
+                while nth > 0:
+                    move += ONE
+                    nth -= q_table[entries[move]] == best
+            entry, target = entries[move], rewards[move]
+            first, count = np.uint64(next_first[move]), np.uint64(next_count[move])
+            episode_return += target
+            if count > ZERO:
+                best = q_table[entries[first]]
+                for m in range(first + ONE, first + count):
+                    best = max(best, q_table[entries[m]])
+                target += gamma * best
+            visits[entry], rate = visits[entry] + 1, alpha
+            if rates is not None:
+                n = min(np.uint64(visits[entry]), np.uint64(len(rates) - 1))  # the last place keeps none
+                if n == np.uint64(len(rates) - 1) or rates[n] == 0.0:
+                    rates[n] = alpha / float(visits[entry]) ** alpha_power
+                rate = rates[n]
+            q_table[entry] += rate * (target - q_table[entry])
+            step += 1
+        budget -= step - step_before
+        state = first // num_actions
+        if count == ZERO or step == max_steps:
+            returns[episode], lengths[episode], terminated[episode] = episode_return, step, count == ZERO
+            episode, step, epsilon = episode + 1, 0, epsilon * epsilon_decay
+    carry[0], carry[1], carry[2], carry[3] = episode, step, state, episode_return
+    return epsilon
+
+
 # --- planning ---------------------------------------------------------------------------------------------------------
 
 
@@ -175,10 +232,8 @@ def spread_news(world, gamma, values):
     while head != tail and patience > 0:
         state = queue[head]
         head = (head + 1) if head < num_states else 0
-        queued[state] = False
-        patience -= 1
-        discounted = gamma * values[state]
-        move = last_move_into[state]
+        queued[state], patience = False, patience - 1
+        discounted, move = gamma * values[state], last_move_into[state]
         while move != NONE:
             s = move // num_actions
             worth = reward[move] + discounted
@@ -216,12 +271,10 @@ def first_news(world, gamma, guess, values, last_move_into, move_before, queue, 
                 worth += gamma * guess
                 stuck = False
             best = max(best, worth)
-        if not stuck:
-            least = min(least, pays)
+        least = least if stuck else min(least, pays)
         values[s] = alone if stuck else max(best, guess)
         if stuck or best > guess + 1e-15 * abs(guess):
-            queue[tail], queued[s] = s, True
-            tail += 1
+            queue[tail], queued[s], tail = s, True, tail + 1
     return tail, least
 
 
@@ -269,15 +322,13 @@ def follow_policy(world, gamma, policy):
 @compiled
 def sweep_policy(gain, weight, following, values, backwards):
     """One sweep of a policy's own equations, in place; the largest change."""
-    num_states, num_outcomes = following.shape
-    change = 0.0
+    (num_states, num_outcomes), change = following.shape, 0.0
     for i in range(num_states):
         s = num_states - 1 - i if backwards else i
         worth = gain[s]
         for k in range(num_outcomes):
             worth += weight[s, k] * values[following[s, k]]
-        change = max(change, abs(worth - values[s]))
-        values[s] = worth
+        change, values[s] = max(change, abs(worth - values[s])), worth
     return change
 
 
@@ -287,8 +338,7 @@ def all_action_values(world, gamma, values, q, policy):
     num_states, num_actions, num_outcomes = sizes(world)
     tables, q, change = flat(world), q.reshape(-1), 0.0
     for s in range(num_states):
-        row = s * num_actions
-        chosen = row
+        row = chosen = s * num_actions
         for move in range(row, row + num_actions):
             q[move] = backup(tables, gamma, values, move, num_outcomes)
             if q[move] > q[chosen]:

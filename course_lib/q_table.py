@@ -3,13 +3,14 @@
 import gymnasium
 import numpy as np
 
-from course_lib.choice import epsilon_greedy, random_argmax
+from course_lib.choice import checked_mask, epsilon_greedy, possible_actions, random_argmax
 from course_lib.files import generator_in, load_arrays, save_arrays
 from course_lib.history import History, Rollout
 from course_lib.table_world import TableWorld
 from course_lib.validate import fraction, number, whole_number
 
 _STEPS_BETWEEN_LOOKS = 1_000_000  # compiled steps before Python gets a look in, to move a bar or to be interrupted
+_RATES_KEPT = 2**20  # learning rates that a compiled loop works out once, those of so many first updates
 
 
 class QAgent:
@@ -21,16 +22,19 @@ class QAgent:
     gamma          discount, in [0, 1]
     alpha          learning rate, in (0, 1]
     epsilon        how often an action is random, in [0, 1]; multiplied by epsilon_decay after every episode
+    mask_actions   leave out the actions that `info["action_mask"]` rules out, when acting and in the max above
     alpha_power    0: the step is alpha; p > 0: it is alpha / n^p at the n-th update of a (state, action). The table
                    converges to Q* with probability 1 for 0.5 < p <= 1 (Robbins & Monro, 1951)
     seed           of everything random: the agent's generator, which also draws the seed of `env`
 
     q_table float64[S, A] starts at zero, visits int64[S, A] counts updates. `history` is the latest `train`'s.
     Equal values are chosen among at random. Where the world is known to be a table (Maze, FrozenLake, CliffWalking,
-    Taxi) the same loop runs compiled, with the same result to the last bit.
+    Taxi, or a world that says so itself) the same loop runs compiled, with the same result to the last bit.
     """
 
-    def __init__(self, env, *, gamma=0.9, alpha=0.1, epsilon=0.1, epsilon_decay=1.0, alpha_power=0.0, seed=0):
+    def __init__(
+        self, env, *, gamma=0.9, alpha=0.1, epsilon=0.1, epsilon_decay=1.0, alpha_power=0.0, mask_actions=False, seed=0
+    ):
         shape = _table_shape(env)
         self.gamma = fraction("gamma", gamma)
         self.alpha = fraction("alpha", alpha, above_zero=True)
@@ -39,6 +43,7 @@ class QAgent:
         self.alpha_power = number("alpha_power", alpha_power)
         if self.alpha_power < 0:
             raise ValueError(f"alpha_power must not be negative, got {alpha_power!r}")
+        self.mask_actions = bool(mask_actions)
         self.seed = whole_number("seed", seed)
         self.env = env
         self.rng = np.random.default_rng(self.seed)
@@ -46,10 +51,19 @@ class QAgent:
         self.history = _Records(0).history()
         env.reset(seed=int(self.rng.integers(2**31)))
 
-    def act(self, state):
-        """An action for `state`: random with probability epsilon, else a best one. `ValueError` if out of range."""
+    def act(self, state, possible=None):
+        """An action for `state`: random with probability epsilon, else a best one. `ValueError` if out of range.
+
+        possible   the state's action mask, [A]: only these. An agent with mask_actions has to be told, or raises
+                   `ValueError`; so does a mask of another shape, or without any possible action.
+        """
         row = whole_number("state", state, at_least=self._first_state, below=self._first_state + len(self.q_table))
-        return epsilon_greedy(self.q_table[row - self._first_state], self.epsilon, self.rng) + self._first_action
+        if possible is not None:
+            possible = checked_mask(possible, self.q_table.shape[1:], "possible")
+        elif self.mask_actions:
+            raise ValueError('with mask_actions, act needs to know what is possible: act(state, info["action_mask"])')
+        values = self.q_table[row - self._first_state]
+        return epsilon_greedy(values, self.epsilon, self.rng, possible) + self._first_action
 
     def train(self, num_episodes=1000, *, max_steps=1000, progress=False):
         """Play `num_episodes` more episodes of at most `max_steps` steps, learning from each; returns their `History`.
@@ -60,14 +74,11 @@ class QAgent:
         records = _Records(whole_number("num_episodes", num_episodes))
         max_steps = whole_number("max_steps", max_steps, at_least=1)
         self._check_tables()
-        world = TableWorld.of(self.env)
+        play = self._way_to_play(max_steps)
         bar = _bar(num_episodes) if progress else None
         try:
             while records.done < num_episodes:
-                if world is None:
-                    self._play_in_python(records, max_steps)
-                else:
-                    _play_compiled(world, self, records, max_steps)
+                play(records)
                 if bar is not None:
                     bar.update(records.done - bar.n)
         finally:
@@ -80,13 +91,13 @@ class QAgent:
         """One greedy walk of at most `max_steps` steps, learning nothing; returns the `Rollout`."""
         max_steps = whole_number("max_steps", max_steps, at_least=1)
         self._check_tables()
-        state, _ = self.env.reset()
+        state, info = self.env.reset()
         states, actions, rewards = [int(state)], [], []
         terminated = truncated = False
         while not (terminated or truncated) and len(actions) < max_steps:
             row = self.q_table[states[-1] - self._first_state]
-            actions.append(random_argmax(row, self.rng) + self._first_action)
-            state, reward, terminated, truncated, _ = self.env.step(actions[-1])
+            actions.append(random_argmax(row, self.rng, self._possible(info)) + self._first_action)
+            state, reward, terminated, truncated, info = self.env.step(actions[-1])
             states.append(int(state))
             rewards.append(float(reward))
         return Rollout(np.array(states), np.array(actions), np.array(rewards), bool(terminated), not terminated)
@@ -112,7 +123,8 @@ class QAgent:
         try:
             q_table, visits = arrays["q_table"].astype(float), arrays["visits"].astype(np.int64)
             rng, env_rng = generator_in(settings["rng"]), generator_in(settings["env_rng"])
-            agent_settings = {name: settings["agent"][name] for name in _SETTINGS}
+            saved = {"mask_actions": False} | settings["agent"]  # files from before there were masks
+            agent_settings = {name: saved[name] for name in _SETTINGS}
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise ValueError(f"{path} is not a saved QAgent: missing or of another form is {error!r}") from None
         if visits.shape != q_table.shape or not np.isfinite(q_table).all():
@@ -140,15 +152,29 @@ class QAgent:
     def _first_action(self):
         return int(self.env.action_space.start)
 
+    def _possible(self, info, terminated=False):
+        return possible_actions(info, self.q_table.shape[1], terminated=terminated) if self.mask_actions else None
+
+    def _way_to_play(self, max_steps):
+        """A function that plays on, for an episode or many steps, and writes what happened into `_Records`."""
+        world = TableWorld.of(self.env)
+        if world is None or (self.mask_actions and world.possible is None):  # no mask that is known beforehand
+            return lambda records: self._play_in_python(records, max_steps)
+        if world.time_limit is not None:
+            max_steps = min(max_steps, world.time_limit)
+        kernel = _by_chance(world, self) if world.starts is None else _along(world, self)
+        return lambda records: _play_compiled(kernel, self, records, max_steps)
+
     def _play_in_python(self, records, max_steps):
         """One episode, step by step through the environment: the loop of lesson 3, for any Discrete environment."""
-        observation, _ = self.env.reset()
+        observation, info = self.env.reset()
         state, episode_return, terminated, truncated = int(observation) - self._first_state, 0.0, False, False
+        possible = self._possible(info)
         for step in range(1, max_steps + 1):
-            action = epsilon_greedy(self.q_table[state], self.epsilon, self.rng)
-            observation, reward, terminated, truncated, _ = self.env.step(action + self._first_action)
-            next_state = int(observation) - self._first_state
-            self._learn(state, action, float(reward), next_state, terminated)
+            action = epsilon_greedy(self.q_table[state], self.epsilon, self.rng, possible)
+            observation, reward, terminated, truncated, info = self.env.step(action + self._first_action)
+            next_state, possible = int(observation) - self._first_state, self._possible(info, terminated)
+            self._learn(state, action, float(reward), next_state, terminated, possible)
             episode_return += float(reward)
             state = next_state
             if terminated or truncated:
@@ -156,17 +182,18 @@ class QAgent:
         records.add(episode_return, step, terminated)
         self.epsilon *= self.epsilon_decay
 
-    def _learn(self, state, action, reward, next_state, terminated):
+    def _learn(self, state, action, reward, next_state, terminated, next_possible):
         """One update of the table (Sutton & Barto, 2nd ed., eq. 6.8)."""
         self.visits[state, action] += 1
         alpha = self.alpha
         if self.alpha_power:
             alpha = self.alpha / float(self.visits[state, action]) ** self.alpha_power
-        target = reward if terminated else reward + self.gamma * self.q_table[next_state].max()
+        following = self.q_table[next_state] if next_possible is None else self.q_table[next_state][next_possible]
+        target = reward if terminated else reward + self.gamma * following.max()
         self.q_table[state, action] += alpha * (target - self.q_table[state, action])
 
 
-_SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "seed")
+_SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "mask_actions", "seed")
 
 
 def _table_shape(env):
@@ -201,24 +228,60 @@ class _Records:
         return History(self.returns[: self.done], self.lengths[: self.done], terminated, ~terminated)
 
 
-def _play_compiled(world, agent, records, max_steps):
+def _play_compiled(kernel, agent, records, max_steps):
     """About a million steps; a mid-episode stop is carried in `records`."""
-    from course_lib import kernels
-
-    if world.time_limit is not None:
-        max_steps = min(max_steps, world.time_limit)
-    mdp, done = world.mdp, records.done
+    done = records.done
     try:
-        agent.epsilon = kernels.q_learning(
-            agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
-            world.start, world.draw_always, agent.rng, world.env.unwrapped.np_random,
-            agent.gamma, agent.alpha, agent.alpha_power or None, agent.epsilon, agent.epsilon_decay,
-            max_steps, _STEPS_BETWEEN_LOOKS, records.carry, records.returns, records.lengths, records.terminated,
+        agent.epsilon = kernel(
+            agent.epsilon, agent.epsilon_decay, max_steps, _STEPS_BETWEEN_LOOKS,
+            records.carry, records.returns, records.lengths, records.terminated,
         )  # fmt: skip
     except KeyboardInterrupt:  # it is heard when the kernel is through, and what it returned is lost
         for _ in range(records.done - done):
             agent.epsilon *= agent.epsilon_decay
         raise
+
+
+def _by_chance(world, agent):
+    """The compiled loop for worlds whose states are what is seen, ready but for how long to play."""
+    from course_lib import kernels
+
+    mdp, world_rng = world.mdp, world.env.unwrapped.np_random
+    return lambda *how_long: kernels.q_learning(
+        agent.q_table, agent.visits, (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
+        world.start, world.draw_always, agent.rng, world_rng,
+        agent.gamma, agent.alpha, agent.alpha_power or None, *how_long,
+    )  # fmt: skip
+
+
+def _along(world, agent):
+    """The compiled loop for worlds in which only the start is drawn, ready but for how long to play.
+
+    It knows a state by its moves: those for the possible actions, in their order, in a row of A places.
+    """
+    from course_lib import kernels
+
+    mdp, num_actions = world.mdp, world.mdp.num_actions
+    seen = np.arange(mdp.num_states) if world.observed is None else world.observed - agent._first_state
+    possible = world.possible if agent.mask_actions else np.ones((mdp.num_states, num_actions), bool)
+    actions = np.argsort(~possible, axis=1, kind="stable")
+    counts = possible.sum(axis=1)
+    next_state, reward, terminal = (
+        np.take_along_axis(array[:, :, 0], actions, axis=1) for array in (mdp.next_state, mdp.reward, mdp.terminal)
+    )
+    moves = (
+        (seen[:, None] * num_actions + actions).astype(np.uint32).reshape(-1),
+        (next_state * np.int64(num_actions)).astype(np.uint32).reshape(-1),
+        np.where(terminal, 0, counts[next_state]).astype(np.uint32).reshape(-1),
+        reward.reshape(-1),
+    )
+    starts = (world.starts.start, world.starts.step, len(world.starts))
+    rates = np.zeros(_RATES_KEPT) if agent.alpha_power else None
+    world_rng = world.env.unwrapped.np_random
+    return lambda *how_long: kernels.q_learning_along(
+        agent.q_table, agent.visits, moves, counts.astype(np.uint32), starts, agent.rng, world_rng,
+        agent.gamma, agent.alpha, agent.alpha_power, rates, *how_long,
+    )  # fmt: skip
 
 
 def _bar(num_episodes):

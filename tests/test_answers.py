@@ -1,21 +1,23 @@
 """Answers to the homework, as learners give them: the right ones pass, each wrong one meets the words meant for it."""
 
+import importlib
 import runpy
 from pathlib import Path
 
 import pytest
 
-from course_lib.checks import homework_1
+from course_lib import checks
 from course_lib.checks.verdict import Outcome
 
 ANSWERS = Path(__file__).with_name("answers")
 RIGHT = sorted(ANSWERS.glob("*/right/*.py"))
 WRONG = sorted(ANSWERS.glob("*/wrong/*.py"))
-CHECKS = {"homework_1": homework_1}
+HOMEWORK = sorted(folder.name for folder in ANSWERS.glob("homework_*"))
+CHECKS = {name: importlib.import_module(f"course_lib.checks.{name}") for name in HOMEWORK}
 
 
 def files(paths):
-    return pytest.mark.parametrize("path", paths, ids=[path.stem for path in paths])
+    return pytest.mark.parametrize("path", paths, ids=[f"{path.parents[1].name}-{path.stem}" for path in paths])
 
 
 def function_of(check):
@@ -28,9 +30,18 @@ def checks_of(path):
     return [getattr(module, name) for name in module.__all__]
 
 
-def test_there_are_many_answers():
-    assert len(RIGHT) >= 8
-    assert len(WRONG) >= 28
+@pytest.mark.parametrize("name", HOMEWORK)
+def test_there_are_many_answers(name):
+    assert len([path for path in RIGHT if path.parents[1].name == name]) >= 5
+    wrong = [path for path in WRONG if path.parents[1].name == name]
+    assert len(wrong) >= 12
+    checked = {runpy.run_path(str(path))["CHECK"] for path in wrong}
+    assert checked == set(CHECKS[name].__all__), "there are some for each check"
+
+
+def test_every_homework_has_answers():
+    folders = Path(checks.__file__).parent.glob("homework_*/__init__.py")
+    assert set(HOMEWORK) == {path.parent.name for path in folders}
 
 
 @files(RIGHT)
@@ -47,7 +58,7 @@ def test_a_right_answer_passes(path):
 
 
 @files(WRONG)
-@pytest.mark.filterwarnings("ignore:.*encountered in divide:RuntimeWarning")  # one of them divides by zero
+@pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")  # some of them divide by zero
 def test_a_wrong_answer_is_told_what_is_wrong(path):
     answer = runpy.run_path(str(path))
     assert answer["__doc__"], "its docstring tells the mistake"

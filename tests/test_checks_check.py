@@ -1,19 +1,28 @@
 """A check: trials in order, what stops them, hints, and what happens when the mistake is ours."""
 
+import importlib
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from course_lib.checks import homework_1
+from course_lib import checks
 from course_lib.checks.check import Check, NotYet, Trial
 from course_lib.checks.learner import Fault, Kind, Learner, Returned
 from course_lib.checks.verdict import Outcome
 
-CHECKS = [getattr(homework_1, name) for name in homework_1.__all__]
+FOLDERS = sorted(path.parent.name for path in Path(checks.__file__).parent.glob("homework_*/__init__.py"))
+HOMEWORK = [importlib.import_module(f"course_lib.checks.{name}") for name in FOLDERS]
+CHECKS = [getattr(homework, name) for homework in HOMEWORK for name in homework.__all__]
+each_check = pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
 
 
-DONE_NOTHING = [None, 0, 1.5, "done", (), [[]], {}, (None, None), (np.zeros((16, 4)), 0), float("nan"), 10**400]
+DONE_NOTHING = [
+    *(None, 0, 1.5, "done", (), [[]], {}, (None, None), (np.zeros((16, 4)), 0), float("nan"), 10**400),
+    *(True, False, np.zeros(60), np.zeros(60, int), np.full(60, -1), [], [None] * 60, np.array(3), np.zeros((60, 2))),
+    *(np.full(60, np.inf), [2**64] * 60, [-(2**64)] * 60, ["1"] * 60, [[1, 2], [3]], np.ones(60, bool), 1j),
+]
 
 
 def check_of(*runs, hints=("first", "second")):
@@ -248,9 +257,15 @@ def test_hints_come_in_order_and_then_from_the_first():
 # --- the checks of the homework ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+def test_the_names_of_checks_are_those_they_are_known_by():
+    for homework in HOMEWORK:
+        assert [getattr(homework, name).name for name in homework.__all__] == homework.__all__
+        assert {value.name for value in vars(homework).values() if isinstance(value, Check)} == set(homework.__all__)
+    assert len({check.name for check in CHECKS}) == len(CHECKS)
+
+
+@each_check
 def test_the_words_of_a_check(check):
-    assert getattr(homework_1, check.name) is check
     assert check.usage in repr(check)
     assert len(check.hints) >= 3
     said = [*check.hints, check.title, *(words for trial in check.trials for words in (trial.tried, trial.expected))]
@@ -261,7 +276,7 @@ def test_the_words_of_a_check(check):
     assert len({trial.tried for trial in check.trials}) == len(check.trials)
 
 
-@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+@each_check
 def test_the_stub_that_is_handed_out_is_not_started(check):
     names = {}
     exec(f"def {check.usage}:\n    raise NotImplementedError  # your code here\n", names)
@@ -270,7 +285,7 @@ def test_the_stub_that_is_handed_out_is_not_started(check):
     assert outcomes(verdict) == [Outcome.NOT_STARTED] * len(check.trials)
 
 
-@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+@each_check
 @pytest.mark.parametrize("value", DONE_NOTHING, ids=lambda value: repr(value)[:20])
 def test_a_function_that_does_nothing_gets_no_points_and_no_mistake_of_ours(check, value):
     verdict = check(lambda *_: value)

@@ -79,7 +79,7 @@ class Check:
         return float(len(self.trials))
 
     def __call__(self, function, *, seed=0, time_limit=10.0):
-        """The `Verdict` on the learner's function. Another `seed` tries it in other mazes."""
+        """The `Verdict` on the learner's function. Another `seed` tries it with other mazes or data."""
         seed, time_limit = whole_number("seed", seed), number("time_limit", time_limit)
         learner = function if isinstance(function, Learner) else Here(function)
         call, rows, stop = Call(learner, time_limit), [], None
@@ -138,7 +138,7 @@ class Check:
             Kind.NO_FUNCTION: f"the check was given something else than your function: `{self.usage}`.",
             Kind.SIGNATURE: f"your function has other parameters than asked: it is called as `{self.usage}`.",
             Kind.TIME_UP: "a loop in your code never ends, or does a great deal of work at every step.",
-            Kind.STEPS_UP: "a loop in your code goes on whatever the maze answers. Does an `except` hide an error?",
+            Kind.STEPS_UP: "a loop in your code goes on, whatever answer it gets. Does an `except` hide an error?",
         }.get(fault.kind, "")
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from course_lib.checks.alarm import TimeIsUp, stopped_after
-from course_lib.checks.learner import Fault, Kind, Learner, Returned, Seed
+from course_lib.checks.callback import Callback, asking
+from course_lib.checks.learner import Fault, Kind, Learner, Returned, Seed, arrays_in
 from course_lib.checks.plain import described, plain, type_name
 from course_lib.checks.worlds import EnoughSteps, Watched, World
 
@@ -36,21 +37,35 @@ class Here(Learner):
         return self._prints.shown
 
     def call(self, *arguments, time_limit):
-        worlds = [argument for argument in arguments if isinstance(argument, Watched)]
         given = [_handed_over(argument) for argument in arguments]
+        arrays = tuple(arrays_in(given))
         with contextlib.redirect_stdout(self._prints), contextlib.redirect_stderr(self._prints):
             value = guarded_call(
-                self.function, given, time_limit, was_anything_done=lambda: any(world.episodes for world in worlds)
+                self.function, given, time_limit, was_anything_done=lambda: any(map(_was_asked, arguments))
             )
-        return Returned(plain(value), tuple(plain(item) for item in given if isinstance(item, np.ndarray)))
+        return Returned(plain(value), tuple(plain(array) for array in arrays))
 
 
 def _handed_over(argument):
     if isinstance(argument, Watched):
         return World(argument.rows, argument.columns, argument.answer)
+    if isinstance(argument, Callback):
+        return asking(argument.name, argument.parameters, argument.answer)
     if isinstance(argument, Seed):
         return np.random.default_rng(argument.number)
+    return _copied(argument)
+
+
+def _copied(argument):
+    """The argument with all its arrays anew: no call can change those of the check."""
+    if isinstance(argument, tuple):
+        return tuple(_copied(item) for item in argument)
     return argument.copy() if isinstance(argument, np.ndarray) else argument
+
+
+def _was_asked(argument):
+    """Whether the learner's code has played in this world, or called this function."""
+    return bool(argument.episodes if isinstance(argument, Watched) else getattr(argument, "calls", 0))
 
 
 def guarded_call(function, arguments, time_limit, was_anything_done):
@@ -64,7 +79,7 @@ def guarded_call(function, arguments, time_limit, was_anything_done):
     except TimeIsUp as error:
         raise Fault(Kind.TIME_UP, f"your code was still running after {time_limit:g} seconds") from error
     except EnoughSteps as error:
-        raise Fault(Kind.STEPS_UP, "your code did not stop taking steps") from error
+        raise Fault(Kind.STEPS_UP, f"your code did not stop {error or 'taking steps'}") from error
     except KeyboardInterrupt as error:
         raise Fault(Kind.INTERRUPTED, "you stopped it") from error
     except BaseException as error:

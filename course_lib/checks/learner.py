@@ -6,6 +6,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 
 class Kind(StrEnum):
     """What can become of a call."""
@@ -38,10 +40,22 @@ class Seed:
 
 @dataclass(frozen=True)
 class Returned:
-    """What came of a call: its plain value, and each array that was passed as it is after the call."""
+    """What came of a call: its plain value, and each array that was passed as it is after the call.
+
+    Arrays in a tuple that was passed are among them, in order.
+    """
 
     value: object
     arrays: tuple
+
+
+def arrays_in(arguments):
+    """Each array among the arguments, and in tuples among them, in order."""
+    for argument in arguments:
+        if isinstance(argument, np.ndarray):
+            yield argument
+        elif isinstance(argument, tuple):
+            yield from arrays_in(argument)
 
 
 class Learner:
@@ -50,7 +64,10 @@ class Learner:
     name: str
 
     def call(self, *arguments, time_limit):
-        """Call it with numbers, arrays (copied), `Seed`s and `Watched` mazes; give a `Returned` or raise a `Fault`."""
+        """Call it; give a `Returned` or raise a `Fault`.
+
+        Arguments are numbers, arrays (copied), tuples of these, `Seed`s, `Watched` mazes and `Callback`s.
+        """
         raise NotImplementedError
 
     printed = ""  # the beginning of what it has printed so far

@@ -124,7 +124,7 @@ def _unpacked(value):
         shape = tuple(value["shape"])
         if not all(type(length) is int and length >= 0 for length in shape):
             raise ValueError(f"not the shape of an array: {shape!r}")
-        return np.array(value["array"], _KINDS[value["kind"]]).reshape(shape)
+        return np.array(value["array"], _KINDS[value["kind"]]).reshape(shape).copy()  # one that owns its numbers
     if "strange" in value:
         return Strange(str(value["strange"])[:60])
     return {str(key): _unpacked(item) for key, item in value["dict"].items()}

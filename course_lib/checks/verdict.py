@@ -31,7 +31,7 @@ class Row:
     expected: str
     came: str = ""
     likely: str = ""
-    map: str = ""  # the maze in which it happened
+    map: str = ""  # a picture of where it happened
 
     @property
     def findings(self):

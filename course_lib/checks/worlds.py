@@ -13,7 +13,10 @@ _MOST_REFUSALS = 1_000  # to a learner's loop that lets every error pass
 
 
 class EnoughSteps(BaseException):
-    """The world stops a walk that does not stop by itself. No `Exception`, so that `except Exception` lets it pass."""
+    """A walk that does not stop by itself is stopped, or calls without end. `str`: what the code did, if no steps.
+
+    No `Exception`, so that `except Exception` lets it pass.
+    """
 
 
 @dataclass

@@ -12,8 +12,9 @@ import sys
 
 import numpy as np
 
+from course_lib.checks.callback import asking
 from course_lib.checks.here import Prints, TimeIsUp, guarded_call, stopped_after, words_for
-from course_lib.checks.learner import Fault, Kind
+from course_lib.checks.learner import Fault, Kind, arrays_in
 from course_lib.checks.plain import from_json, plain, to_json
 from course_lib.checks.worlds import EnoughSteps, World
 from course_lib.classroom.confine import confine_to, limit_resources
@@ -76,12 +77,12 @@ class Cells:
         """Call the function of that name; the message that says what came of it."""
         asked = []
 
-        def ask_world(number, *question):
+        def ask_judge(number, *question):
             asked.append(number)
             line.say({"ask": (number, *(plain(item) for item in question))})
             answer = line.hear()
             if "enough" in answer:
-                raise EnoughSteps
+                raise EnoughSteps(answer["enough"])
             if "error" in answer:
                 raise ValueError(answer["error"])
             return answer["answer"]
@@ -89,21 +90,24 @@ class Cells:
         try:
             if name not in self._shell.user_ns:
                 raise Fault(Kind.NO_FUNCTION, f"the notebook defines no `{name}`")
-            given = [_argument(argument, ask_world) for argument in arguments]
+            given = [_argument(argument, ask_judge) for argument in arguments]
+            passed = tuple(arrays_in(given))
             value = guarded_call(self._shell.user_ns[name], given, time_limit, was_anything_done=lambda: bool(asked))
-            arrays = tuple(plain(item) for item in given if isinstance(item, np.ndarray))
-            return {"returned": (plain(value), arrays)}
+            return {"returned": (plain(value), tuple(plain(array) for array in passed))}
         except Fault as fault:
             return {"fault": (str(fault.kind), str(fault))}
 
 
-def _argument(argument, ask_world):
+def _argument(argument, ask_judge):
     if not isinstance(argument, dict):
         return argument
     if "seed" in argument:
         return np.random.default_rng(argument["seed"])
+    if "function" in argument:
+        number, name, parameters = argument["function"]
+        return asking(name, parameters, lambda *question: ask_judge(number, *question))
     number, rows, columns = argument["world"]
-    return World(rows, columns, lambda *question: ask_world(number, *question))
+    return World(rows, columns, lambda *question: ask_judge(number, *question))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from course_lib.checks.learner import Fault, Kind, Learner, Returned, Seed
+from course_lib.checks.callback import Callback
+from course_lib.checks.learner import Fault, Kind, Learner, Returned, Seed, arrays_in
 from course_lib.checks.plain import from_json, plain, to_json
 from course_lib.checks.worlds import EnoughSteps, Watched
 
@@ -90,9 +91,9 @@ class LearnerProcess:
 
     def call(self, name, arguments, time_limit):
         """Call the learner's function of that name; a `Returned`, or a `Fault`."""
-        worlds = [argument for argument in arguments if isinstance(argument, Watched)]
-        given = tuple(_crossing(argument, worlds) for argument in arguments)
-        said = self._ask({"call": name, "arguments": given, "time_limit": time_limit}, worlds)
+        here = [argument for argument in arguments if isinstance(argument, (Watched, Callback))]
+        given = tuple(_crossing(argument, here) for argument in arguments)
+        said = self._ask({"call": name, "arguments": given, "time_limit": time_limit}, here)
         try:
             if "fault" in said:
                 kind, words = said["fault"]
@@ -100,22 +101,22 @@ class LearnerProcess:
                     self.close()
                 raise Fault(Kind(kind), str(words)[:600])
             value, arrays = said["returned"]
-            were_arrays = [isinstance(argument, np.ndarray) for argument in arguments]
-            if [True] * sum(were_arrays) != [isinstance(array, np.ndarray) for array in arrays]:
+            number = len(list(arrays_in(arguments)))
+            if [True] * number != [isinstance(array, np.ndarray) for array in arrays]:
                 raise ValueError
         except (KeyError, TypeError, ValueError):
             raise self._died(_OUT_OF_TURN) from None
         return Returned(value, arrays)
 
-    def _ask(self, request, worlds=()):
-        """Send a request, answer what the child asks of the worlds meanwhile, and give what it says in the end."""
+    def _ask(self, request, here=()):
+        """Send a request, answer what the child asks of the worlds and functions here, and give its last word."""
         self._deadline = time.monotonic() + request["time_limit"] + _GRACE_SECONDS
         self._say(request)
         while True:
             said = self._hear()
             if "ask" not in said:
                 return said
-            self._say(_answered(said["ask"], worlds))
+            self._say(_answered(said["ask"], here))
 
     def _say(self, message):
         try:
@@ -181,25 +182,27 @@ def _environment(folder):
     return {"PATH": os.environ.get("PATH", os.defpath), **{name: str(path) for name, path in own.items()}, **fixed}
 
 
-def _crossing(argument, worlds):
-    """An argument as it crosses: a world by its number, a generator by its seed."""
+def _crossing(argument, here):
+    """An argument as it crosses: a world or a function by its number, a generator by its seed."""
+    number = next((i for i, other in enumerate(here) if other is argument), None)
     if isinstance(argument, Watched):
-        number = next(i for i, world in enumerate(worlds) if world is argument)
         return {"world": (number, argument.rows, argument.columns)}
+    if isinstance(argument, Callback):
+        return {"function": (number, argument.name, argument.parameters)}
     if isinstance(argument, Seed):
         return {"seed": argument.number}
     return plain(argument)
 
 
-def _answered(question, worlds):
-    """What a world answers to a question of the child's, which may be anything."""
+def _answered(question, here):
+    """What a world or a function here answers to a question of the child's, which may be anything."""
     try:
-        number, name, *arguments = question
-        if not isinstance(number, int) or not 0 <= number < len(worlds):
-            raise ValueError("there is no such maze")
-        return {"answer": worlds[number].answer(name, *arguments)}
-    except EnoughSteps:
-        return {"enough": True}
+        number, *arguments = question
+        if not isinstance(number, int) or not 0 <= number < len(here):
+            raise ValueError("there is nothing to ask by that number")
+        return {"answer": here[number].answer(*arguments)}
+    except EnoughSteps as error:
+        return {"enough": str(error)}
     except (TypeError, ValueError) as error:
         return {"error": str(error)}
 

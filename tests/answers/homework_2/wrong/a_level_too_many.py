@@ -1,0 +1,18 @@
+"""At the high the level is `levels`."""
+
+import numpy as np
+
+CHECK = "stands_between_low_and_high"
+SAYS = "the highest level is too high"
+
+
+def minmax_states(close, m, levels):
+    states = np.full(len(close), -1)
+    for t in range(m - 1, len(close)):
+        window = close[t - m + 1 : t + 1]
+        low, high = window.min(), window.max()
+        if high == low:
+            states[t] = levels // 2
+        else:
+            states[t] = int(levels * (close[t] - low) / (high - low))
+    return states

@@ -1,0 +1,8 @@
+"""Finds no leak anywhere."""
+
+CHECK = "finds_the_leak"
+SAYS = "never calls `encode`"
+
+
+def looks_ahead(encode, close):
+    return False

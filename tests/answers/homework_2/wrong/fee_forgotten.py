@@ -1,0 +1,12 @@
+"""Trades cost nothing."""
+
+import numpy as np
+
+CHECK = "pays_every_bar"
+SAYS = "trades cost nothing in your code"
+
+
+def reward(price, next_price, side, position, next_position, cost):
+    money = 1.0
+    money *= 1 + side * next_position * (next_price / price - 1)
+    return np.log(money)

@@ -1,0 +1,14 @@
+"""Every bar in the trade costs."""
+
+import numpy as np
+
+CHECK = "pays_every_bar"
+SAYS = "every bar in the trade costs"
+
+
+def reward(price, next_price, side, position, next_position, cost):
+    money = 1.0
+    if next_position == 1:
+        money *= 1 - cost
+    money *= 1 + side * next_position * (next_price / price - 1)
+    return np.log(money)

@@ -1,0 +1,23 @@
+"""The window holds n + 1 closes."""
+
+import numpy as np
+
+CHECK = "finds_turns_on_a_grid"
+SAYS = "one close too long"
+
+
+def grid_states(close, n):
+    states = np.full(len(close), -1)
+    for t in range(n, len(close)):
+        window = close[t - n : t + 1]
+        low, high = window.min(), window.max()
+        if high == low:
+            row = n // 2
+        else:
+            row = min(n - 1, int(n * (close[t] - low) / (high - low)))
+        if row >= n / 2:
+            column = window[::-1].argmin()
+        else:
+            column = window[::-1].argmax()
+        states[t] = row * n + column
+    return states

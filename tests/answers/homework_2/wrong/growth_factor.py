@@ -1,0 +1,14 @@
+"""What the money is multiplied by."""
+
+import numpy as np
+
+CHECK = "pays_every_bar"
+SAYS = "gives what the money is multiplied by"
+
+
+def reward(price, next_price, side, position, next_position, cost):
+    money = 1.0
+    if position != next_position:
+        money *= 1 - cost
+    money *= 1 + side * next_position * (next_price / price - 1)
+    return money

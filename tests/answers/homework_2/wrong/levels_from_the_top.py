@@ -1,0 +1,23 @@
+"""Row 0 is at the high."""
+
+import numpy as np
+
+CHECK = "finds_turns_on_a_grid"
+SAYS = "count from the top"
+
+
+def grid_states(close, n):
+    states = np.full(len(close), -1)
+    for t in range(n - 1, len(close)):
+        window = close[t - n + 1 : t + 1]
+        low, high = window.min(), window.max()
+        if high == low:
+            row = n // 2
+        else:
+            row = min(n - 1, int(n * (close[t] - low) / (high - low)))
+        if row >= n / 2:
+            column = window[::-1].argmin()
+        else:
+            column = window[::-1].argmax()
+        states[t] = (n - 1 - row) * n + column
+    return states

@@ -1,0 +1,18 @@
+"""The window holds `levels` closes."""
+
+import numpy as np
+
+CHECK = "stands_between_low_and_high"
+SAYS = "a state stands where there is none yet"
+
+
+def minmax_states(close, levels, m):
+    states = np.full(len(close), -1)
+    for t in range(m - 1, len(close)):
+        window = close[t - m + 1 : t + 1]
+        low, high = window.min(), window.max()
+        if high == low:
+            states[t] = levels // 2
+        else:
+            states[t] = min(levels - 1, int(levels * (close[t] - low) / (high - low)))
+    return states

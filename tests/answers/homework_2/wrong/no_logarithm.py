@@ -1,0 +1,14 @@
+"""The return itself."""
+
+import numpy as np
+
+CHECK = "pays_every_bar"
+SAYS = "the logarithm is missing"
+
+
+def reward(price, next_price, side, position, next_position, cost):
+    money = 1.0
+    if position != next_position:
+        money *= 1 - cost
+    money *= 1 + side * next_position * (next_price / price - 1)
+    return money - 1

@@ -1,0 +1,14 @@
+"""The maximum goes over what was possible before the step."""
+
+CHECK = "learns_from_possible_actions"
+SAYS = "that were possible before"
+
+
+def update(q_table, state, position, action, reward, next_state, next_position, alpha, gamma):
+    num_states = len(q_table) // 2
+    row = position * num_states + state
+    next_row = next_position * num_states + next_state
+    possible = [0, 2] if position == 1 else [0, 1]
+    best = q_table[next_row, possible].max()
+    target = reward + gamma * best
+    q_table[row, action] += alpha * (target - q_table[row, action])

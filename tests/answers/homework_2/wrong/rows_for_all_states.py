@@ -1,0 +1,14 @@
+"""num_states is the number of rows."""
+
+CHECK = "learns_from_possible_actions"
+SAYS = "a row that the table does not have"
+
+
+def update(q_table, state, position, action, reward, next_state, next_position, alpha, gamma):
+    num_states = len(q_table)
+    row = position * num_states + state
+    next_row = next_position * num_states + next_state
+    possible = [0, 2] if next_position == 1 else [0, 1]
+    best = q_table[next_row, possible].max()
+    target = reward + gamma * best
+    q_table[row, action] += alpha * (target - q_table[row, action])

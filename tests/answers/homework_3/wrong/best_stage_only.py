@@ -1,0 +1,14 @@
+"""Returns one number."""
+
+CHECK = "stops_by_validation"
+SAYS = "training stopped is missing"
+
+
+def best_moment(validation, patience):
+    best = 0
+    for stage in range(len(validation)):
+        if validation[stage] > validation[best]:
+            best = stage
+        if stage - best >= patience:
+            break
+    return best

@@ -1,0 +1,16 @@
+"""Clips the returns, which are small, and then divides."""
+
+import numpy as np
+
+CHECK = "scales_by_what_it_may_know"
+SAYS = "comes last, after the division"
+
+
+def network_inputs(close, num_train, k):
+    returns = np.diff(np.log(close))
+    sigma = np.std(returns[: num_train - 1])
+    scaled = np.clip(returns, -5, 5) / sigma
+    rows = np.full((len(close), k), np.nan)
+    for t in range(k, len(close)):
+        rows[t] = scaled[t - k : t]
+    return rows

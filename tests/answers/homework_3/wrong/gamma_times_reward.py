@@ -1,0 +1,12 @@
+"""The reward is discounted as well."""
+
+import numpy as np
+
+CHECK = "aims_at_possible_actions"
+SAYS = "multiplies the reward"
+
+
+def targets(rewards, terminated, next_possible, next_online, next_target, gamma):
+    best = np.where(next_possible, next_online, -np.inf).argmax(axis=1)
+    after = next_target[np.arange(len(best)), best]
+    return gamma * (rewards + np.where(terminated, 0, after))

@@ -1,0 +1,16 @@
+"""The newest return is in column 0."""
+
+import numpy as np
+
+CHECK = "scales_by_what_it_may_know"
+SAYS = "newest return comes first"
+
+
+def network_inputs(close, num_train, k):
+    returns = np.diff(np.log(close))
+    sigma = np.std(returns[: num_train - 1])
+    scaled = np.clip(returns / sigma, -5, 5)
+    rows = np.full((len(close), k), np.nan)
+    for t in range(k, len(close)):
+        rows[t] = scaled[t - k : t][::-1]
+    return rows

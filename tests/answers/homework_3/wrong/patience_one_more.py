@@ -1,0 +1,14 @@
+"""More than `patience` stages old."""
+
+CHECK = "stops_by_validation"
+SAYS = "one stage too late"
+
+
+def best_moment(validation, patience):
+    best = 0
+    for stage in range(len(validation)):
+        if validation[stage] > validation[best]:
+            best = stage
+        if stage - best > patience:
+            break
+    return stage, best

@@ -1,0 +1,14 @@
+"""Returns the best score."""
+
+CHECK = "stops_by_validation"
+SAYS = "wanted is its stage"
+
+
+def best_moment(validation, patience):
+    best = 0
+    for stage in range(len(validation)):
+        if validation[stage] > validation[best]:
+            best = stage
+        if stage - best >= patience:
+            break
+    return stage, validation[best]

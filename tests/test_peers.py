@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import torch
+from market_worlds import SIGHTS, random_bars, side_env
 
 from course_lib import Maze
 from course_lib.dqn import DQNAgent
+from course_lib.market import RubberBandMarket
 
 stable_baselines3 = pytest.importorskip("stable_baselines3")
 
@@ -63,3 +65,53 @@ def test_stable_baselines3s_deep_q_learning_and_ours_learn_the_same_maze_unchang
     assert shortest_way_taken(maze, lambda state: model.predict(np.array(state), deterministic=True)[0])
     assert shortest_way_taken(maze, lambda state: agent.q_values(np.array([state]))[0, 0].argmax())
     assert agent.test()[0].terminated
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_stable_baselines3_finds_no_fault_with_a_side_of_a_share(sight, side):
+    from stable_baselines3.common.env_checker import check_env
+
+    check_env(side_env(random_bars(80), sight, side, episode_length=20))
+
+
+@pytest.mark.parametrize("sight", ["table", "network"])
+@pytest.mark.parametrize(
+    ("kind", "settings"),
+    [
+        ("DQN", {"buffer_size": 500, "learning_starts": 50, "target_update_interval": 50}),
+        ("PPO", {"n_steps": 64, "batch_size": 64, "n_epochs": 2}),
+    ],
+)
+def test_stable_baselines3_trains_on_a_side_of_a_share_unchanged(kind, settings, sight):
+    prices = RubberBandMarket().prices(400)
+    env = side_env(prices, sight, episode_length=60, reward_unit=0.01)
+    model = getattr(stable_baselines3, kind)("MlpPolicy", env, seed=0, device="cpu", **settings)
+    model.learn(400)
+    assert model.num_timesteps >= 400
+    observation, info = env.reset(seed=1)
+    rewards, over = [], False
+    while not over:
+        action, _ = model.predict(observation, deterministic=True)
+        observation, reward, terminated, truncated, info = env.step(action)
+        rewards.append(reward)
+        over = terminated or truncated
+    assert len(rewards) == 60
+    assert 0.01 * sum(rewards) == pytest.approx(info["log_equity"], abs=1e-12)
+
+
+def test_stable_baselines3_learns_when_to_be_in_a_share_that_rises_every_other_day():
+    """By 1 %, and falls as far on the days between: two states, and no doubt what to do."""
+    prices = random_bars(300)[["close"]]
+    prices["close"] = 100 * np.exp(0.01 * (np.arange(300) % 2))
+    env = side_env(prices, "a learner's table", cost=0.0, episode_length=50, reward_unit=0.01)
+    model = stable_baselines3.DQN(
+        "MlpPolicy", env, learning_rate=3e-3, gamma=0.5, learning_starts=100, train_freq=1, target_update_interval=50,
+        exploration_fraction=0.8, policy_kwargs={"net_arch": [16]}, seed=0, device="cpu",
+    )  # fmt: skip
+    model.learn(1_500)
+    observation, info = env.reset(seed=2)
+    for _ in range(50):
+        action, _ = model.predict(observation, deterministic=True)
+        observation, *_, info = env.step(action)
+    assert info["log_equity"] > 0.8 * 25 * 0.01

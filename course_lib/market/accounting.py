@@ -42,6 +42,12 @@ def log_growth(prices, cost=0.0005, fill=None):
     money. Filled at the next open, the old position is held from close to open and the new one from open to close.
     Where 1e-6 of the money or less is left, that is ruin, and 1e-6 is what is left.
     """
+    return growth_in(as_part(prices), cost, fill)
+
+
+def growth_in(part, cost, fill):
+    """`log_growth` of the own bars of a `Part`."""
+    prices = part.prices.iloc[part.first :]
     cost, fill = checked_cost(cost), checked_fill(prices, fill)
     close = prices["close"].to_numpy(float)
     before, after = close[:-1], close[1:]
@@ -72,7 +78,11 @@ def account(part, positions, *, cost=0.0005, fill=None, growth=None):
     part = as_part(part)
     positions = checked_positions(positions, len(part))
     if growth is None:
-        growth = log_growth(part.prices.iloc[part.first :], cost, fill)
+        growth = growth_in(part, cost, fill)
+    elif np.shape(growth) != (len(part) - 1, 3, 3):
+        raise PriceDataError(
+            f"growth must be log_growth of the part's own bars, [{len(part) - 1}, 3, 3], got {[*np.shape(growth)]}"
+        )
     held = positions[..., :-1] + 1
     before = np.concatenate([np.ones_like(held[..., :1]), held[..., :-1]], axis=-1)
     rewards = growth[np.arange(len(growth)), before, held]
@@ -111,12 +121,15 @@ def checked_fill(prices, fill):
     return fill
 
 
-def checked_positions(positions, bars):
-    array = np.asarray(positions)
-    if array.dtype.kind not in "iu" or array.ndim == 0 or array.shape[-1] != bars:
-        raise PriceDataError(
-            f"positions must be whole numbers, one for each of {bars} bars, got {array.dtype}{[*array.shape]}"
-        )
+def checked_positions(positions, bars=None):
+    """`positions` as int64[…, bars]; bars None: as many as there are."""
+    try:
+        array = np.asarray(positions)
+    except ValueError:
+        raise PriceDataError("positions must be one array of whole numbers: these rows have several lengths") from None
+    if array.dtype.kind not in "iu" or array.ndim == 0 or array.shape[-1] != (bars or array.shape[-1]):
+        each = "a bar" if bars is None else f"for each of {bars} bars"
+        raise PriceDataError(f"positions must be whole numbers, one {each}, got {array.dtype}{[*array.shape]}")
     if array.size and (array.min() < -1 or array.max() > 1):
         raise PriceDataError(f"positions must be -1, 0 or 1, got {array.min()} to {array.max()}")
     return array.astype(np.int64)

@@ -16,11 +16,21 @@ class Part:
     name     "training", "validation" or "test"
     prices   DataFrame: all bars up to the end of the part, the earlier ones included
     first    number of the first bar of the part, the earlier bars being the warm-up of what an agent sees
+
+    `PriceDataError` for another name, and where fewer than 2 bars are left to trade.
     """
 
     name: str
     prices: pd.DataFrame
     first: int
+
+    def __post_init__(self):
+        if self.name not in ("training", "validation", "test"):
+            raise PriceDataError(f"a part is called training, validation or test, got {self.name!r}")
+        try:
+            whole_number("first", self.first, below=max(len(self.prices) - 1, 1))
+        except ValueError as error:
+            raise PriceDataError(f"{error}; there are {len(self.prices)} bars, and a part needs 2") from None
 
     @property
     def close(self):
@@ -39,9 +49,16 @@ class Part:
         return f"<{self.name}: {len(self)} bars, {self.dates[0]:%Y-%m-%d} to {self.dates[-1]:%Y-%m-%d}>"
 
     def check_fitted(self, encoder):
-        """`PriceDataError` if the encoder has been fitted on days of this part although it is to be unseen."""
+        """`PriceDataError` if the encoder was fitted on what it must not know: days of an unseen part, or later."""
         until = getattr(encoder, "fitted_until", None)
-        if self.name != "training" and until is not None and until >= self.dates[0]:
+        if until is None:
+            return
+        if self.name == "training" and until > self.dates[-1]:
+            raise PriceDataError(
+                f"the {type(encoder).__name__} was fitted on closes up to {until:%Y-%m-%d}, but the training part "
+                f"ends on {self.dates[-1]:%Y-%m-%d}: fit it on the training part alone, fit(parts.training.close)"
+            )
+        if self.name != "training" and until >= self.dates[0]:
             raise PriceDataError(
                 f"the {type(encoder).__name__} was fitted on closes up to {until:%Y-%m-%d}, but the {self.name} part "
                 f"begins on {self.dates[0]:%Y-%m-%d}: fit it on the training part alone, fit(parts.training.close)"
@@ -121,5 +138,5 @@ def as_part(prices, encoder=None, name="training"):
     """`prices` if they are a `Part`; a whole frame of prices becomes one, whose first bars warm the encoder up."""
     if isinstance(prices, Part):
         return prices
-    first = 0 if encoder is None else encoder.warmup
+    first = getattr(encoder, "warmup", 0)
     return Part(name, check_prices(prices, at_least=first + 2), first)

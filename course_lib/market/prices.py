@@ -43,10 +43,11 @@ def read_csv(path):
     """
     try:
         raw = pd.read_csv(path)
-    except (OSError, UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+    except (OSError, TypeError, ValueError) as error:  # every error of pandas's parser is a ValueError
         reason = " ".join(str(error).split())
         raise PriceDataError(f"{path} is no file of comma-separated values that can be read: {reason}") from None
     raw.columns = [str(name).strip().lower().replace(" ", "_") for name in raw.columns]
+    _check_once(raw.columns)
     when = "date" if "date" in raw.columns else raw.columns[0]
     try:
         if pd.api.types.is_numeric_dtype(raw[when]):
@@ -64,10 +65,12 @@ def read_csv(path):
 def adjusted(raw):
     """The price columns of `raw` multiplied by adj_close / close, so that splits and dividends move nothing."""
     names = [name for name in COLUMNS if name in raw.columns]
-    for name in {*names, "adj_close"}:
-        _check_numbers(raw[name], name)
     if "close" not in names:
         raise PriceDataError(_missing(raw, ["close"]))
+    _check_dates(raw.index)
+    _check_rows(raw, 2)
+    for name in [*names, "adj_close"]:
+        _check_numbers(raw[name], name)
     factor = raw["adj_close"] / raw["close"]
     frame = raw[names].astype(float)
     for name in set(names) - {"volume"}:
@@ -86,16 +89,13 @@ def check_prices(prices, *, at_least=2):
     """
     if not isinstance(prices, pd.DataFrame):
         raise PriceDataError(f"prices must be a pandas DataFrame, got {type(prices).__name__}")
+    _check_once(prices.columns)
     wanted = ["close"] if not {"open", "high", "low"} & set(prices.columns) else COLUMNS
     missing = [name for name in wanted if name not in prices.columns]
     if missing:
         raise PriceDataError(_missing(prices, missing))
-    if not prices.columns.is_unique:
-        raise PriceDataError(f"every column must be there once, got {', '.join(map(str, prices.columns))}")
     _check_dates(prices.index)
-    at_least = whole_number("at_least", at_least)
-    if len(prices) < at_least:
-        raise PriceDataError(f"{at_least} rows of prices are needed, {len(prices)} are given: take a longer stretch")
+    _check_rows(prices, whole_number("at_least", at_least))
     for name in wanted:
         _check_numbers(prices[name], name)
     if "open" in wanted:
@@ -107,6 +107,18 @@ def check_prices(prices, *, at_least=2):
 def _missing(prices, missing):
     have = ", ".join(map(str, prices.columns)) or "none"
     return f"column {' and '.join(missing)} is missing; there are: {have}. Rename or add it"
+
+
+def _check_once(columns):
+    if columns.nlevels > 1:
+        raise PriceDataError(f"columns must have one name each, got {columns[0]}: use frame.droplevel(1, axis=1)")
+    if not columns.is_unique:
+        raise PriceDataError(f"every column must be there once, got {', '.join(map(str, columns))}")
+
+
+def _check_rows(prices, at_least):
+    if len(prices) < at_least:
+        raise PriceDataError(f"{at_least} rows of prices are needed, {len(prices)} are given: take a longer stretch")
 
 
 def _check_dates(index):
@@ -130,8 +142,13 @@ def _check_dates(index):
 
 def _check_numbers(column, name):
     """Finite and, but for the volume, positive."""
-    if not pd.api.types.is_numeric_dtype(column) or pd.api.types.is_bool_dtype(column):
-        raise PriceDataError(f"column {name!r} must hold numbers, got {column.dtype}: use pandas.to_numeric")
+    if column.dtype.kind not in "iuf":
+        is_text = pd.to_numeric(column.astype(str), errors="coerce").isna().to_numpy()  # or all are numbers as text
+        place = int(np.argmax(is_text))
+        raise PriceDataError(
+            f"column {name!r} must hold numbers, got {column.dtype} ({str(column.iloc[place])!r} on "
+            f"{_day(column.index[place])}): use pandas.to_numeric"
+        )
     values = column.to_numpy(dtype=float, na_value=np.nan)
     for is_bad, what in (
         (np.isnan(values), "NaN"),

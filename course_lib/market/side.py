@@ -1,10 +1,12 @@
 """One share, one side: buy and cash out, or sell and cash out. A Gymnasium environment."""
 
+from operator import index
+
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from course_lib.market.accounting import RUIN, log_growth
+from course_lib.market.accounting import RUIN, growth_in
 from course_lib.market.chain import CLOSE, HOLD, OPEN
 from course_lib.market.parts import as_part
 from course_lib.market.prices import PriceDataError
@@ -41,7 +43,7 @@ class Tape:
         if self.unit <= 0:
             raise PriceDataError(f"reward_unit must be positive, got {reward_unit!r}")
         self.starts = self.bars - self.length
-        growth = log_growth(part.prices.iloc[part.first :], cost, fill)
+        growth = growth_in(part, cost, fill)
         held = [1, 1 + self.side]
         self.gains = np.ascontiguousarray(growth[:, held][:, :, held])
         self.space, self.seen = seen_by_position(part, encoder)
@@ -49,25 +51,34 @@ class Tape:
 
 def seen_by_position(part, encoder):
     """The observation space of an encoder on a part, and what is seen at each bar: [2, N, …], out and in."""
-    shown = np.asarray(encoder.transform(part.prices["close"]))
+    if isinstance(encoder, type) or not hasattr(encoder, "transform"):
+        raise PriceDataError(
+            f"an encoder has fit, transform, num_states and warmup, such as MinMaxEncoder(), got {encoder!r}"
+        )
+    shown, warmup = np.asarray(encoder.transform(part.prices["close"])), getattr(encoder, "warmup", 0)
     if shown.shape[:1] != (len(part.prices),):
         raise PriceDataError(f"an encoder must show something at each of {len(part.prices)} bars, got {shown.shape}")
     shown, num_states = shown[part.first :], getattr(encoder, "num_states", None)
-    nothing = shown < 0 if num_states is not None else ~np.isfinite(shown).all(axis=tuple(range(1, shown.ndim)))
+    by_state = num_states is not None
+    if shown.dtype.kind not in ("iu" if by_state else "iuf") or (by_state and shown.ndim != 1):
+        wanted = "one whole number a bar, the state" if by_state else "numbers"
+        got = f"{shown.dtype}{[*shown.shape]}"
+        raise PriceDataError(f"{type(encoder).__name__} must show {wanted}, got {got}")
+    nothing = shown < 0 if by_state else ~np.isfinite(shown).all(axis=tuple(range(1, shown.ndim)))
     if nothing.any():
         raise PriceDataError(
             f"on {part.dates[int(np.argmax(nothing))]:%Y-%m-%d} nothing is seen (state -1): "
-            f"{type(encoder).__name__} needs {encoder.warmup} bars before the first one traded, not {part.first}: "
-            f"split(prices, warmup={encoder.warmup})"
+            f"{type(encoder).__name__} needs {warmup} bars before the first one traded, not {part.first}: "
+            f"split(prices, warmup={warmup})"
         )
-    if num_states is None:
+    if not by_state:
         inputs = shown.reshape(len(shown), -1).astype(np.float32)
         columns = [np.full((len(inputs), 1), position, np.float32) for position in (0, 1)]
         seen = np.stack([np.hstack([inputs, column]) for column in columns])
         bound = max(1.0, float(getattr(encoder, "clip", np.abs(inputs).max())))
         return Box(-bound, bound, (inputs.shape[1] + 1,), np.float32), seen
-    if shown.dtype.kind not in "iu" or shown.max() >= num_states:
-        raise PriceDataError(f"states must be whole numbers below {num_states}, got {shown.dtype} up to {shown.max()}")
+    if shown.max() >= num_states:
+        raise PriceDataError(f"states of {type(encoder).__name__} must be below {num_states}, got {shown.max()}")
     return Discrete(2 * num_states), np.stack([shown, num_states + shown]).astype(np.int64)
 
 
@@ -97,9 +108,9 @@ class SideEnv(gymnasium.Env):
         self.side, self.render_mode = self.tape.side, None
         # Lists: a number out of one is had in a third of the time that an array takes.
         self._gains, self._dates = self.tape.gains.tolist(), list(self.tape.dates)
-        vectors = self.tape.seen.ndim == 3
-        self._seen = self.tape.seen if vectors else self.tape.seen.tolist()
-        self._ruin, self._vectors = float(np.log(RUIN)), vectors
+        self._vectors = self.tape.seen.ndim == 3
+        self._seen = [list(rows) if self._vectors else rows.tolist() for rows in self.tape.seen]
+        self._masks, self._ruin = list(POSSIBLE), float(np.log(RUIN))
         self._bar = None
 
     def reset(self, *, seed=None, options=None):  # noqa: ARG002 (Gymnasium's signature)
@@ -107,16 +118,20 @@ class SideEnv(gymnasium.Env):
         self._bar = int(self.np_random.random() * self.tape.starts)
         self._end = self._bar + self.tape.length
         self._position, self._trades, self._log_equity = 0, 0, 0.0
-        return self._observation(), self._info(False)
+        return self._shown(invalid=False)
 
     def step(self, action):
         if self._bar is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        if not 0 <= action <= 2 or action != int(action):
+        try:
+            chosen = index(action)
+        except TypeError:
+            chosen = -1
+        if not 0 <= chosen <= 2:
             raise ValueError(f"action must be 0 (hold), 1 (open) or 2 (close), got {action!r}")
         position = self._position
-        invalid = action == OPEN + position if action else False
-        new = position if invalid or not action else 2 - int(action)
+        invalid = chosen == CLOSE - position  # close when out, open when in
+        new = position if chosen == HOLD else 2 - chosen  # what is impossible leads to where one is
         reward = self._gains[self._bar][position][new]
         if new != position:
             self._trades += 1
@@ -124,24 +139,24 @@ class SideEnv(gymnasium.Env):
         self._log_equity += reward
         terminated = reward <= self._ruin
         truncated = not terminated and self._bar == self._end
-        observation, info = self._observation(), self._info(invalid)
+        observation, info = self._shown(invalid)
         if terminated or truncated:
             self._bar = None
         return observation, reward / self.tape.unit, terminated, truncated, info
 
-    def _observation(self):
-        seen = self._seen[self._position][self._bar]
-        return seen.copy() if self._vectors else seen
-
-    def _info(self, invalid):
-        return {
-            "action_mask": POSSIBLE[self._position].copy(),
-            "position": self._position,
-            "date": self._dates[self._bar],
+    def _shown(self, invalid):
+        """The observation and `info` of this bar."""
+        position, bar = self._position, self._bar
+        seen = self._seen[position][bar]
+        info = {
+            "action_mask": self._masks[position].copy(),
+            "position": position,
+            "date": self._dates[bar],
             "trades": self._trades,
             "log_equity": self._log_equity,
             "invalid": invalid,
         }
+        return seen.copy() if self._vectors else seen, info
 
     def as_table_world(self):
         """This world as tables, so that agents can be trained in it without stepping it: see `table_world.TableWorld`.

@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from course_lib.market.accounting import RUIN
-from course_lib.market.chain import OPEN
+from course_lib.market.chain import CLOSE, HOLD
 from course_lib.market.prices import PriceDataError
 from course_lib.market.side import POSSIBLE, Tape
 from course_lib.validate import whole_number
@@ -35,14 +35,21 @@ class SideVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.render_mode, self._generators = None, None
+        self._dates, self._ruin = self.tape.dates.to_numpy(), np.log(RUIN)
 
     def reset(self, *, seed=None, options=None):  # noqa: ARG002 (Gymnasium's signature)
         """Begin in every lane: seed gives the first lane's seed, a list one for each; None goes on drawing."""
-        if seed is not None or self._generators is None:
-            seeds = (
-                seed if isinstance(seed, list) else [None if seed is None else seed + i for i in range(self.num_envs)]
-            )
-            self._generators = [seeding.np_random(one)[0] for one in seeds]
+        if seed is None or isinstance(seed, (int, np.integer)):
+            seeds = [None if seed is None else int(seed) + i for i in range(self.num_envs)]
+        else:
+            seeds = list(seed) if np.iterable(seed) else []
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"seed must be a number, or a list of {self.num_envs}, one a lane, got {seed!r}")
+        drawing = self._generators or [None] * self.num_envs
+        self._generators = [
+            old if one is None and old is not None else seeding.np_random(one)[0]
+            for old, one in zip(drawing, seeds, strict=True)
+        ]
         lanes = np.ones(self.num_envs, bool)
         self._bar, self._end, self._position, self._trades = np.zeros((4, self.num_envs), np.int64)
         self._log_equity, self._over = np.zeros(self.num_envs), ~lanes
@@ -60,20 +67,22 @@ class SideVectorEnv(VectorEnv):
         if self._generators is None:
             raise ResetNeeded("call reset() before step()")
         actions = np.asarray(actions)
-        if actions.shape != (self.num_envs,) or actions.min() < 0 or actions.max() > 2:
-            raise ValueError(f"actions must be {self.num_envs} numbers from 0 to 2, got {actions!r}")
+        is_whole = actions.shape == (self.num_envs,) and actions.dtype.kind in "iu"
+        if not is_whole or actions.min() < 0 or actions.max() > 2:
+            raise ValueError(f"actions must be {self.num_envs} whole numbers from 0 to 2, got {actions!r}")
         steps = ~self._over
-        invalid = steps & (actions == OPEN + self._position)
-        new = np.where(invalid | (actions == 0) | ~steps, self._position, 2 - actions)
+        invalid = steps & (actions == CLOSE - self._position)
+        new = np.where(steps & (actions != HOLD), 2 - actions, self._position)
         bar = np.minimum(self._bar, self.tape.bars - 2)
         gains = np.where(steps, self.tape.gains[bar, self._position, new], 0.0)
         self._trades += new != self._position
         self._bar += steps
         self._position = new
         self._log_equity += gains
-        terminated = steps & (gains <= np.log(RUIN))
+        terminated = steps & (gains <= self._ruin)
         truncated = steps & ~terminated & (self._bar == self._end)
-        self._begin(self._over)
+        if self._over.any():
+            self._begin(self._over)
         self._over = terminated | truncated
         return self._observations(), gains / self.tape.unit, terminated, truncated, self._info(invalid)
 
@@ -84,10 +93,10 @@ class SideVectorEnv(VectorEnv):
         arrays = {
             "action_mask": POSSIBLE[self._position],
             "position": self._position.copy(),
-            "date": self.tape.dates.to_numpy()[self._bar],
+            "date": self._dates[self._bar],
             "trades": self._trades.copy(),
             "log_equity": self._log_equity.copy(),
             "invalid": invalid,
         }
-        there = {f"_{name}": np.ones(self.num_envs, bool) for name in arrays}
-        return arrays | there
+        everywhere = np.ones(self.num_envs, bool)
+        return arrays | {f"_{name}": everywhere for name in arrays}

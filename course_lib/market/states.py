@@ -80,8 +80,8 @@ class WindowEncoder(_Encoder):
 
     def _encode(self, closes):
         states = np.full(len(closes.values), -1)
-        moves = closes.moves
-        digits = 1 + (moves > self.threshold).astype(np.int64) - (moves < -self.threshold)
+        moves, flat = closes.moves, self.threshold * (1 + 1e-9)  # moves alike but for rounding are one digit
+        digits = 1 + (moves > flat).astype(np.int64) - (moves < -flat)
         if len(digits) >= self.k:
             states[self.k :] = sliding_window_view(digits, self.k) @ 3 ** np.arange(self.k)[::-1]
         return states
@@ -116,7 +116,11 @@ class GridEncoder(_Encoder):
 
     def _learn(self, closes):
         if self.mode == "day":
-            largest = np.abs(self._since_base(closes)[0]).max()
+            moved, bar = self._since_base(closes)
+            begins = np.append(np.flatnonzero(bar == 0), len(bar))
+            if len(begins) > 2 and begins[1] < np.diff(begins).max():  # cut off: its first close is not the day's
+                moved = moved[begins[1] :]
+            largest = np.abs(moved).max()
             if largest == 0:
                 raise PriceDataError("no price moves within a day: is each bar a day? A day needs several bars")
             self.step = float(largest / (self.n // 2))

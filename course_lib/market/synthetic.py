@@ -199,7 +199,8 @@ class TrendMarket(Market):
 
     def _revised(self, expected, move):
         """Bayes' rule: the probability of tail wind in the bar that moved so, expected before it."""
-        odds = np.exp(-2 * move * self.drift / self.sigma**2) * (1 - expected) / expected
+        against = np.clip(-2 * move * self.drift / self.sigma**2, -650.0, 650.0)  # beyond, exp would overflow
+        odds = np.exp(against) * (1 - expected) / expected
         return 1 / (1 + odds)
 
     def knowledge(self, prices):
@@ -277,7 +278,7 @@ class RandomWalkMarket(Market):
 
 
 def checked_side(side):
-    if isinstance(side, bool) or side not in (1, -1):
+    if isinstance(side, bool) or np.ndim(side) or side not in (1, -1):
         raise PriceDataError(f"side must be +1 (buy, cash out) or -1 (sell, cash out), got {side!r}")
     return int(side)
 

@@ -18,7 +18,8 @@ def action_values(agent, prices, encoder):
     part.check_fitted(encoder)
     space, seen = seen_by_position(part, encoder)
     table = getattr(agent, "q_table", agent)
-    if isinstance(table, np.ndarray):
+    if not hasattr(agent, "q_values"):
+        table = _as_numbers(table, "a table")
         if table.shape != (getattr(space, "n", 0), 3):
             raise PriceDataError(
                 f"a table for this encoder has {getattr(space, 'n', 0)} rows and 3 columns, got {table.shape}"
@@ -34,15 +35,15 @@ def trade(q_long=None, q_short=None):
     q_long, q_short  action values at every bar, float[…, N, 2, 3], as of `action_values`; None: a side not traded
 
     In a position its own side decides: it closes if closing is worth more than holding. When flat, each side's
-    advantage of opening over holding is compared; the larger opens if it is positive, of equals neither. The other side
-    may open in the very bar of a close, the one just closed not before the next.
+    advantage of opening over holding is compared; the larger opens if it is positive, of equals neither. In the very
+    bar of a close the other side may open, if its advantage is the larger; the one just closed not before the next.
     """
-    sides = [q for q in (q_long, q_short) if q is not None]
+    sides = [_as_numbers(q, "action values") for q in (q_long, q_short) if q is not None]
     shapes = {np.shape(q) for q in sides}
     if len(shapes) != 1 or any(len(shape) < 3 or shape[-2:] != (2, 3) for shape in shapes):
         raise PriceDataError(f"action values must have one shape, […, N, 2, 3], got {sorted(shapes)}")
-    nothing = np.zeros(np.shape(sides[0]))
-    q_long, q_short = (nothing if q is None else np.asarray(q) for q in (q_long, q_short))
+    nothing = np.zeros(sides[0].shape)
+    q_long, q_short = (nothing if q is None else np.asarray(q, float) for q in (q_long, q_short))
     opens_long, opens_short = (q[..., 0, OPEN] - q[..., 0, HOLD] for q in (q_long, q_short))
     wanted = np.sign(opens_long - opens_short).astype(np.int64) * (np.maximum(opens_long, opens_short) > 0)
     keeps_long, keeps_short = (q[..., 1, CLOSE] <= q[..., 1, HOLD] for q in (q_long, q_short))
@@ -56,3 +57,14 @@ def trade(q_long=None, q_short=None):
         held = step[lanes, held + 1]
         positions[bar] = held
     return positions.T.reshape(nothing.shape[:-2])
+
+
+def _as_numbers(values, name):
+    """`values` as float[…] without NaN, or a `PriceDataError`."""
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise PriceDataError(f"{name} must be an array of numbers, got {type(values).__name__}") from None
+    if np.isnan(array).any():
+        raise PriceDataError(f"{name} must be numbers, {np.isnan(array).sum()} of {array.size} are NaN")
+    return array

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import pandas as pd
 
-from course_lib.market.accounting import POSITIONS, account, log_growth
+from course_lib.market.accounting import POSITIONS, RUIN, account, checked_positions, growth_in
 from course_lib.market.parts import as_part
 from course_lib.market.prices import PriceDataError
 from course_lib.validate import whole_number
@@ -32,15 +32,16 @@ def oracle(part, *, cost=0.0005, fill=None, sides=(-1, 1)):
     sides  1 and -1, or one of them only
     """
     part = as_part(part)
-    if not set(sides) <= {1, -1}:
-        raise PriceDataError(f"sides must be 1, -1 or both, got {sides!r}")
-    growth = log_growth(part.prices.iloc[part.first :], cost, fill)
+    if not isinstance(sides, (tuple, list, set)) or not sides or any(side not in (1, -1) for side in sides):
+        raise PriceDataError(f"sides must be (1,), (-1,) or both, (-1, 1), got {sides!r}")
+    growth = growth_in(part, cost, fill)
+    goes_on = growth > np.log(RUIN)  # after ruin nothing more is earned
     left_out = [position + 1 for position in POSITIONS if position and position not in sides]
     growth[:, :, left_out] = -np.inf
     best = np.zeros((len(growth), 3), np.int64)
     worth = np.zeros(3)
     for bar in range(len(growth) - 1, -1, -1):
-        by_move = growth[bar] + worth
+        by_move = growth[bar] + worth * goes_on[bar]
         best[bar] = by_move.argmax(axis=1)
         worth = by_move.max(axis=1)
     positions, held = np.zeros(len(part), np.int8), 1
@@ -54,9 +55,9 @@ def oracle(part, *, cost=0.0005, fill=None, sides=(-1, 1)):
 def random_shifts(positions, number=200, *, seed=0):
     """The same trading at the wrong times: circular shifts of positions int[N] by 1 to N - 1 bars, int8[number, N].
 
-    They have the trader's number of trades (but for one at the seam), its holding times, and none of its timing.
+    They have the trader's trades (but for those at the seam), its holding times, and none of its timing.
     """
-    positions = np.asarray(positions)
+    positions = checked_positions(positions)
     if positions.ndim != 1 or len(positions) < 2:
         raise PriceDataError(f"positions must be those of one trader, int[N], got shape {positions.shape}")
     rng = np.random.default_rng(whole_number("seed", seed))
@@ -67,7 +68,7 @@ def random_shifts(positions, number=200, *, seed=0):
 def percentile(part, positions, *, number=200, seed=0, cost=0.0005, fill=None):
     """How many of 100 `random_shifts` of a trader's positions end with less money than it (equal ones count half)."""
     part = as_part(part)
-    growth = log_growth(part.prices.iloc[part.first :], cost, fill)
+    growth = growth_in(part, cost, fill)
     own = account(part, positions, growth=growth).log_equity[-1]
     others = account(part, random_shifts(positions, number, seed=seed), growth=growth).log_equity[:, -1]
     below, equal = np.mean(others < own - 1e-12), np.mean(np.abs(others - own) <= 1e-12)
@@ -111,12 +112,17 @@ def metrics(accounts):
 def scoreboard(part, traders, *, cost=0.0005, fill=None):
     """A table with a row a trader: the median of each of the `Metrics` over its agents, a DataFrame.
 
+    Its columns are return, Sharpe, drawdown, legs and exposure.
+
     traders  {name: positions int[N] or int[E, N]}
     """
     part = as_part(part)
-    growth = log_growth(part.prices.iloc[part.first :], cost, fill)
+    growth = growth_in(part, cost, fill)
+    if not isinstance(traders, dict):
+        raise PriceDataError(f"traders must be a dictionary, {{name: positions}}, got {type(traders).__name__}")
     rows = {}
     for name, positions in traders.items():
         values = asdict(metrics(account(part, positions, growth=growth)))
         rows[name] = {column: float(np.median(value)) for column, value in values.items()}
-    return pd.DataFrame.from_dict(rows, orient="index")
+    short = {"total_return": "return", "sharpe": "Sharpe", "max_drawdown": "drawdown", "trades": "legs"}
+    return pd.DataFrame.from_dict(rows, orient="index").rename(columns=short)

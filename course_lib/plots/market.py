@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from course_lib.plots.board import readable_on
 from course_lib.plots.picture import (
     BLUE,
     FAINT,
@@ -16,115 +17,198 @@ from course_lib.plots.picture import (
 )
 
 _LONG, _SHORT = BLUE, RED
-_LEVELS = (0.1, 0.2, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 2, 3, 5, 10, 20, 50, 100, 1000)
+_COLOURS = "PuOr"  # of differences, as in the maze's heat maps: from orange over nothing to purple
 
 
 def trades(part, positions=None, *, bars=None, title="", words=None):
     """Closes with entries and exits, and the position below; positions: int[N], or None for the prices alone.
 
-    part    a `market.Part`;  bars: a slice of it to show, by default all
+    part    a `market.Part`;  bars: a slice of it to show, at least 2 bars, by default all
     words   a text alternative of your own, for trades that another processor may decide otherwise
+
+    A position that is held when `bars` begin is no entry there. `ValueError` for other positions and other bars.
     """
-    shown = slice(None) if bars is None else bars
+    shown = _checked_bars(bars, len(part))
     dates, close = part.dates[shown], part.close.to_numpy(float)[shown]
-    figure, axes = new_figure(7.4, 3.2 if positions is None else 4.4)
     place = np.arange(len(close))
     if positions is None:
+        figure, axes = new_figure(7.4, 3.2)
         axes.plot(place, close, color=INK, linewidth=1)
-        dress(axes, title=title, xlabel="bar", ylabel="price")
+        dress(axes, title=title, ylabel="price")
         _say_dates(axes, dates)
-        return Picture(figure, f"{title or 'Prices'}: {_course(close, dates)}")
-    positions = np.asarray(positions)[shown]
+        return Picture(figure, f"{title or 'Prices'}: {_course(close, dates)} {words or ''}")
+    positions = _checked_positions(positions, len(part))
+    before = np.append(0, positions[:-1])[shown]
+    positions = positions[shown]
+    figure, axes = new_figure(7.4, 4.6)
     figure.clf()
     axes, below = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [4, 1]})
     for part_of_it in (axes, below):
         part_of_it.set_facecolor(PAPER)
     axes.plot(place, close, color=INK, linewidth=1, zorder=1)
-    before = np.concatenate([[0], positions[:-1]])
+    longs, shorts, exits = ((positions == side) & (before != side) for side in (1, -1, 0))
     for changes, marker, colour, name in (
-        ((positions == 1) & (before != 1), "^", _LONG, "buy"),
-        ((positions == -1) & (before != -1), "v", _SHORT, "sell"),
-        ((positions == 0) & (before != 0), "o", PAPER, "cash out"),
+        (longs, "^", _LONG, "buy"),
+        (shorts, "v", _SHORT, "sell"),
+        (exits, "o", PAPER, "cash out"),
     ):
         look = {"color": colour, "edgecolor": INK, "linewidth": 0.7, "s": 34, "zorder": 3}
         axes.scatter(place[changes], close[changes], marker=marker, label=f"{name}: {changes.sum()}", **look)
     below.step(place, positions, where="post", color=INK, linewidth=0.8)
-    below.fill_between(place, positions, 0, where=positions > 0, step="post", color=_LONG, alpha=0.5, linewidth=0)
-    below.fill_between(place, positions, 0, where=positions < 0, step="post", color=_SHORT, alpha=0.5, linewidth=0)
+    for side, colour in ((1, _LONG), (-1, _SHORT)):
+        held = np.where(positions == side, side, 0)
+        below.fill_between(place, held, 0, step="post", color=colour, alpha=0.5, linewidth=0)
     below.set_yticks([-1, 0, 1], ["short", "flat", "long"])
     below.set_ylim(-1.25, 1.25)
-    dress(axes, title=title, ylabel="price", legend=True)
-    dress(below, xlabel="bar")
+    dress(axes, title=title, ylabel="price")
+    dress(below)
     _say_dates(below, dates)
-    longs, shorts = (int(((positions == side) & (before != side)).sum()) for side in (1, -1))
-    entries = f"{longs} times long and {shorts} times short"
+    _legend_below(figure, axes)
+    entries = f"{_times(longs.sum())} long and {_times(shorts.sum())} short"
     held = f"in the market on {np.mean(positions != 0):.0%} of the bars"
     return Picture(figure, f"{title or 'Trades'}: {_course(close, dates)} {words or f'{entries}, {held}.'}")
 
 
+def _checked_bars(bars, num_bars):
+    """`bars` as a slice of so many, or a `ValueError`."""
+    try:
+        shown = range(num_bars)[slice(None) if bars is None else bars]
+        if shown.step == 1 and len(shown) >= 2:
+            return slice(shown.start, shown.stop)
+    except (AttributeError, TypeError, IndexError):
+        pass
+    raise ValueError(
+        f"bars must be a slice, such as slice(0, 250), of 2 or more of {num_bars} bars in turn, got {bars}"
+    )
+
+
+def _checked_positions(positions, num_bars):
+    positions = np.asarray(positions)
+    if positions.shape != (num_bars,) or not np.isin(positions, (-1, 0, 1)).all():
+        raise ValueError(
+            f"positions must be those of one trader, -1, 0 or 1 for each of {num_bars} bars, got "
+            f"{positions.dtype}{[*positions.shape]}"
+        )
+    return positions
+
+
 def _say_dates(axes, dates):
-    """Bars as dates, at five places."""
-    places = np.linspace(0, len(dates) - 1, 5).round().astype(int)
-    axes.set_xticks(places, [f"{dates[i]:%Y-%m-%d}" for i in places])
+    """Bars as dates, at five places or as many as there are."""
+    places = np.unique(np.linspace(0, len(dates) - 1, 5).round().astype(int))
+    axes.set_xticks(places, [_when(dates, i, "\n") for i in places])
     axes.set_xlabel("date")
 
 
+def _when(dates, i, between=" "):
+    """A date, with its time where the bars are parts of days."""
+    time = "" if (dates == dates.normalize()).all() else f"{between}{dates[i]:%H:%M}"
+    return f"{dates[i]:%Y-%m-%d}{time}"
+
+
 def _course(close, dates):
-    return (
-        f"closes from {dates[0]:%Y-%m-%d} to {dates[-1]:%Y-%m-%d}, {close[0]:.4g} at first, {close[-1]:.4g} at last, "
-        f"between {close.min():.4g} and {close.max():.4g}."
-    )
+    first, last, low, high = (_rounded(price, 4) for price in (close[0], close[-1], close.min(), close.max()))
+    days = f"from {_when(dates, 0)} to {_when(dates, -1)}"
+    return f"closes {days}, {first} at first, {last} at last, between {low} and {high}."
+
+
+def _rounded(number, digits=3):
+    """So many digits that count, written out: 22,000, 0.000001; what is beyond a billion as 7.2e+10."""
+    rounded = float(f"{number:.{digits}g}")
+    if rounded < 1000:
+        return np.format_float_positional(rounded, trim="-")
+    return f"{rounded:,.12g}" if rounded < 1e9 else f"{rounded:g}"
+
+
+def _times(count):
+    return f"{count} time{'' if count == 1 else 's'}"
+
+
+def _legend_below(figure, axes, note=None):
+    """The legend under the picture, where it hides nothing; above it what `note` says."""
+    handles, names = axes.get_legend_handles_labels()
+    columns = max(1, min(3, 78 // (max(map(len, names)) + 6)))
+    legend = figure.legend(
+        handles, names, loc="outside lower left", ncols=columns, fontsize=10, frameon=False, labelcolor=INK,
+        title=note, title_fontsize=9, alignment="left",
+    )  # fmt: skip
+    legend.get_title().set_color(INK)
 
 
 def wealth(part, log_equity, *, band=(5, 95), title="", words=None):
     """What 1 unit of money becomes, on a log scale; log_equity: {name: float64[N] or float64[E, N]}.
 
     Of several agents it shows the median and a band between two percentiles. words: a text alternative of your own.
+    `ValueError` for another number of bars than the part has.
     """
-    figure, axes = new_figure(7.4, 3.9)
-    ends, lowest, highest, agents = [], 0.0, 0.0, set()
-    for i, (name, curves) in enumerate(log_equity.items()):
-        curves = np.atleast_2d(curves)
-        low, middle, high = np.percentile(curves, [band[0], 50, band[1]], axis=0)
-        colour, place = PALETTE[i % len(PALETTE)], np.arange(len(middle))
-        if len(curves) > 1:
+    curves = {name: np.atleast_2d(np.asarray(runs, float)) for name, runs in log_equity.items()}
+    for name, runs in curves.items():
+        if runs.ndim != 2 or runs.shape[1] != len(part):
+            raise ValueError(f"log_equity of {name} must have {len(part)} bars, as the part, got {[*runs.shape]}")
+    if not curves:
+        raise ValueError("log_equity must hold one trader or more, got none")
+    figure, axes = new_figure(7.4, 4.3)
+    ends, place = [], np.arange(len(part))
+    for i, (name, runs) in enumerate(curves.items()):
+        low, middle, high = np.percentile(runs, [band[0], 50, band[1]], axis=0)
+        colour, style = PALETTE[i % len(PALETTE)], LINE_STYLES[(i + i // len(PALETTE)) % len(LINE_STYLES)]
+        if len(runs) > 1:
             axes.fill_between(place, low, high, color=colour, alpha=0.18, linewidth=0)
-            agents.add(len(curves))
-        look = {"color": colour, "linestyle": LINE_STYLES[i % len(LINE_STYLES)], "linewidth": 1.8}
-        axes.plot(place, middle, label=f"{name}: ×{np.exp(middle[-1]):.3g}", **look)
-        lowest, highest = min(lowest, low.min()), max(highest, high.max())
-        spread = f" ({np.exp(low[-1]):.3g} to {np.exp(high[-1]):.3g})" if len(curves) > 1 else ""
-        ends.append(f"{name}: {np.exp(middle[-1]):.3g}{spread}")
+        look = {"color": colour, "linestyle": style, "linewidth": 1.8}
+        axes.plot(place, middle, label=f"{name}: ×{_rounded(np.exp(middle[-1]))}", **look)
+        last, least, most = (_rounded(np.exp(curve[-1])) for curve in (middle, low, high))
+        ends.append(f"{name}: {last} ({least} to {most})" if len(runs) > 1 else f"{name}: {last}")
     axes.axhline(0, color=FAINT, linewidth=1)
-    levels = [level for level in _LEVELS if lowest - 0.05 <= np.log(level) <= highest + 0.05]
-    axes.set_yticks(np.log(levels), [f"{level:g}" for level in levels])
-    dress(axes, title=title, ylabel="money (log scale)", legend=True)
+    levels = _levels(*axes.get_ylim())
+    axes.set_yticks(np.log(levels), [_rounded(level, 6) for level in levels])
+    dress(axes, title=title, ylabel="money (log scale)")
     _say_dates(axes, part.dates)
+    note = agents = None
+    if several := sorted({len(runs) for runs in curves.values()} - {1}):
+        agents = f"{' or '.join(map(str, several))} traders"
+        note = f"lines: medians of {agents}; bands: {band[0]} % to {band[1]} % of them"
+    _legend_below(figure, axes, note)
+    said = f"In the end {'; '.join(ends)}"
     if agents:
-        count = " or ".join(str(number) for number in sorted(agents))
-        note = f"lines: medians of {count} traders; bands: {band[0]} % to {band[1]} % of them"
-        axes.text(0, -0.27, note, transform=axes.transAxes, fontsize=9, color=INK)
-    return Picture(figure, f"{title or 'Money'}, log scale, by date. {words or 'In the end ' + '; '.join(ends) + '.'}")
+        said += f", medians of {agents} and in brackets {band[0]} % to {band[1]} % of them"
+    return Picture(figure, f"{title or 'Money'}, log scale, by date. {words or said + '.'}")
+
+
+def _levels(low, high):
+    """Round amounts of money between two logs of it, for the ticks: as many as stand apart, 1 among them if it can."""
+    least, most = np.exp([low, high])
+    steps = [step * size for size in (0.0001, 0.001, 0.01, 0.1) for step in (1, 2, 5)]
+    decades = np.arange(np.floor(low / np.log(10)), np.ceil(high / np.log(10)) + 1)
+    finest = [s * np.arange(np.ceil(least / s), np.floor(most / s) + 1) for s in steps if (most - least) / s < 100]
+    finest += [np.multiply.outer(10.0**decades, digits).ravel() for digits in ((1, 2, 5), (1, 3))]
+    finest += [10.0 ** decades[decades % every == 0] for every in range(1, 1 + len(decades))]
+    for levels in finest:
+        levels = levels[(levels >= least) & (levels <= most)]
+        if len(levels) and np.diff(np.log(levels)).min(initial=np.inf) >= (high - low) / 10:
+            return levels
+    return np.ones(1)
 
 
 def in_and_out(sharpe, *, title="", words=None):
     """A dot a seed: what it reached on days it learned from against days it never saw.
 
-    sharpe  {name: (in sample float64[E], out of sample float64[E])}
+    sharpe  {name: (in sample float64[E], out of sample float64[E])}; `ValueError` where there is nothing, or not a pair
     """
-    figure, axes = new_figure(7.0, 4.2)
+    pairs = {name: [np.asarray(days, float).ravel() for days in both] for name, both in sharpe.items()}
+    if not pairs or not all(len(both) == 2 and len(both[0]) == len(both[1]) > 0 for both in pairs.values()):
+        sizes = {name: [len(days) for days in both] for name, both in pairs.items()}
+        raise ValueError(f"sharpe must hold two arrays of one length for each name, got lengths {sizes}")
+    figure, axes = new_figure(7.0, 4.5)
     said, markers = [], "os^DvP*X"
-    for i, (name, (inside, outside)) in enumerate(sharpe.items()):
-        inside, outside = np.asarray(inside, float), np.asarray(outside, float)
+    for i, (name, (inside, outside)) in enumerate(pairs.items()):
         look = {"color": PALETTE[i % len(PALETTE)], "alpha": 0.7, "s": 30, "linewidth": 0}
         axes.scatter(inside, outside, marker=markers[i % len(markers)], label=name, **look)
         said.append(f"{name}: {inside.mean():.1f} inside, {outside.mean():.1f} outside")
-    least = min(0.0, *(np.min(pair) for pair in sharpe.values()))
-    most = max(1.0, *(np.max(pair) for pair in sharpe.values()))
+    least = min(0.0, *(np.min(both) for both in pairs.values()))
+    most = max(1.0, *(np.max(both) for both in pairs.values()))
     axes.plot([least, most], [least, most], color=FAINT, linestyle=":", label="as good on unseen days")
     axes.axhline(0, color=INK, linewidth=0.8)
-    dress(axes, title=title, xlabel="Sharpe ratio on the training days", ylabel="on unseen days", legend=True)
-
+    dress(axes, title=title, xlabel="Sharpe ratio on the training days", ylabel="Sharpe ratio on unseen days")
+    _legend_below(figure, axes)
     words = words or f"Means: {'; '.join(said)}."
     return Picture(figure, f"{title or 'Inside and outside'}, Sharpe ratios, one dot a seed. {words}")
 
@@ -135,24 +219,34 @@ def grid_of_states(advantage, *, visits=None, n=None, xlabel="bars since the opp
     advantage  (long, short), each float64[n * n], state = row * n + column, row 0 the lowest price: at the bottom
     visits     int[n * n], how often each state has been seen; unseen ones stay empty
     ▲ buy, ▼ sell where it is worth it, else a dot; the colour says how much, in basis points of the money.
+    `ValueError` for another number of states.
     """
     import seaborn
 
-    long, short = (np.asarray(side, dtype=float) * 1e4 for side in advantage)
+    long, short = (np.asarray(side, dtype=float).ravel() * 1e4 for side in advantage)
     n = round(np.sqrt(len(long))) if n is None else n
-    best = np.where(long >= short, long, -short)  # blue upwards to buy, orange downwards to sell
+    visits = np.ones(n * n) if visits is None else np.asarray(visits).ravel()
+    if {len(long), len(short), len(visits)} != {n * n}:
+        sizes = f"{len(long)} for long, {len(short)} for short and {len(visits)} for visits"
+        raise ValueError(f"a grid of {n} × {n} states needs {n * n} numbers of each kind, got {sizes}")
+    best = np.select([long > short, short > long], [long, -short])  # upwards to buy, downwards to sell, as in `trade`
     best = np.where(np.maximum(long, short) > 0, best, 0.0).reshape(n, n)
-    seen = np.ones((n, n), bool) if visits is None else np.asarray(visits).reshape(n, n) > 0
-    figure, axes = new_figure(0.62 * n + 2.2, 0.56 * n + 1.0)
-    bound = max(1e-9, np.percentile(np.abs(best[seen]), 95)) if seen.any() else 1.0
+    seen = visits.reshape(n, n) > 0
+    figure, axes = new_figure(max(5.2, 0.62 * n + 2.2), max(3.9, 0.56 * n + 1.0))
+    worth = np.abs(best[seen & (best != 0)])
+    bound = np.percentile(worth, 95) if worth.size else 1.0
+    scale = {"label": "advantage of opening (basis points)\nbelow 0: of selling"}
+    scale["extend"] = "both" if worth.size and worth.max() > bound else "neither"
     seaborn.heatmap(
-        best[::-1], ax=axes, mask=~seen[::-1], cmap="PuOr", vmin=-bound, vmax=bound, linewidths=1.5, linecolor=PAPER,
-        cbar_kws={"label": "advantage of opening (basis points)\nbelow 0: of selling"},
+        best[::-1], ax=axes, mask=~seen[::-1], cmap=_COLOURS, vmin=-bound, vmax=bound, linewidths=1.5, linecolor=PAPER,
+        cbar_kws=scale,
     )  # fmt: skip
+    ink = readable_on(_COLOURS, -bound, bound)
     for row, column in np.argwhere(seen):
-        sign = "▲" if best[row, column] > 0 else "▼" if best[row, column] < 0 else "·"
-        strong = abs(best[row, column]) > 0.6 * bound
-        axes.text(column + 0.5, n - row - 0.5, sign, ha="center", va="center", color="white" if strong else INK)
+        value = best[row, column]
+        sign = "▲" if value > 0 else "▼" if value < 0 else "·"
+        look = {"ha": "center", "va": "center", "fontsize": 11 if value else 16, "color": ink(value)}
+        axes.text(column + 0.5, n - row - 0.5, sign, **look)
     axes.set_yticks(np.arange(n) + 0.5, np.arange(n)[::-1], rotation=0)
     axes.set_xticks(np.arange(n) + 0.5, np.arange(n), rotation=0)
     axes.set_xlabel(f"column: {xlabel}", fontsize=10, color=INK)

@@ -2,6 +2,7 @@
 
 import checks
 import dqn
+import market
 import numpy as np
 import planning
 import pytest
@@ -13,7 +14,9 @@ from course_lib.maze import Action
 
 needs_gcc = pytest.mark.skipif(compiler() is None, reason="gcc is not installed")
 needs_sb3 = pytest.mark.skipif(not dqn.HAS_SB3, reason="stable-baselines3 is not installed")
+needs_anytrading = pytest.mark.skipif(not market.HAS_ANYTRADING, reason="gym-anytrading is not installed")
 needs_keras = pytest.mark.skipif(not dqn.HAS_KERAS, reason="keras is not installed")
+each_history = pytest.mark.parametrize("name", ["MSFT", "rubber band"])
 calls_keras = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # of Keras's own
 
 
@@ -75,6 +78,36 @@ def test_a_way_that_ends_in_a_wall_or_nowhere_is_no_way_to_the_goal():
     assert [dqn.way_to_goal(q_table) for q_table in (right, down, up)] == [None] * 3
 
 
+@each_history
+@pytest.mark.parametrize("masked", [True, False])
+def test_the_compiled_walk_comes_to_what_stepping_comes_to(name, masked):
+    prices = market.histories()[name].iloc[-400:]
+    assert market.check_walk(prices, masked, 5) == 5 * (400 - market.WINDOW - 1)
+
+
+@each_history
+def test_the_environment_pays_what_the_account_says(name):
+    prices = market.histories()[name].iloc[-400:]
+    assert market.check_account(prices, 5) == 5 * (400 - market.WINDOW - 1)
+
+
+@each_history
+def test_every_lane_is_an_environment(name):
+    assert market.check_vector(market.histories()[name], num_lanes=5, num_steps=100) == 5 * 3
+
+
+@needs_anytrading
+@each_history
+def test_gym_anytrading_makes_the_same_money_where_there_are_no_fees(name):
+    money = market.check_anytrading(market.histories()[name], 5)
+    assert len({round(ours, 3) for _, ours in money}) == 5
+
+
+def test_the_compiled_learner_learns_what_the_stepping_one_learns():
+    bars = 600
+    assert market.check_learners(market.RubberBandMarket().prices(bars + market.WINDOW, seed=0), 5) == 5 * bars
+
+
 def test_q_learning_prints_its_table(capsys):
     q_learning.main(num_episodes=300, original_episodes=1000, repeats=1)
     assert q_learning.TRAIN in capsys.readouterr().out
@@ -111,3 +144,25 @@ def test_dqn_says_what_is_not_installed(capsys, monkeypatch):
     printed = capsys.readouterr().out
     assert printed.count("is not installed") == 2
     assert not any(name in printed for name in (f"| {dqn.SB3}", f"| {dqn.ORIGINAL}"))
+
+
+def test_market_prints_its_tables(capsys, monkeypatch):
+    for name, value in {"LANES": (1, 2), "BATCHES": (8,), "NETWORKS": 2}.items():
+        monkeypatch.setattr(market, name, value)
+    tiny_market(passes=2)
+    printed = capsys.readouterr().out
+    assert all(f"| {program} " in printed for program in (market.DISCRETE, market.COMPILED, *market.WALKS))
+    assert printed.count("network-steps a second") == 1
+
+
+def test_market_says_what_is_not_installed(capsys, monkeypatch):
+    for name, value in {"LANES": (1,), "BATCHES": (8,), "HAS_ANYTRADING": False, "HAS_SB3": False}.items():
+        monkeypatch.setattr(market, name, value)
+    tiny_market(passes=1)
+    printed = capsys.readouterr().out
+    assert printed.count("is not installed") == 2
+    assert not any(name in printed for name in (f"| {market.ANYTRADING}", f"| {market.SB3}"))
+
+
+def tiny_market(passes):
+    market.main(num_steps=50, walk_steps=50, repeats=1, passes=passes, sb3_steps=1, network_steps=1, long_repeats=1)

@@ -182,7 +182,7 @@ class QAgent:
         records.add(episode_return, step, terminated)
         self.epsilon *= self.epsilon_decay
 
-    def _learn(self, state, action, reward, next_state, terminated, next_possible):
+    def _learn(self, state, action, reward, next_state, terminated, next_possible=None):
         """One update of the table (Sutton & Barto, 2nd ed., eq. 6.8)."""
         self.visits[state, action] += 1
         alpha = self.alpha

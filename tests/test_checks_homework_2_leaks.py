@@ -39,12 +39,12 @@ def by_cutting(encode, close):
     return any((encode(close[:t]) != states[:t]).any() for t in range(len(close)))
 
 
-def by_one_close(encode, close):
+def backwards_in_place(encode, close):
+    """Changes `close` itself, but from its end on, so that the past is always the old one."""
     states = encode(close)
-    for t in range(1, len(close)):
-        other = close.copy()
-        other[t] *= 1.5
-        if (encode(other)[:t] != states[:t]).any():
+    for t in range(len(close) - 1, 0, -1):
+        close[t:] *= 2
+        if (encode(close)[:t] != states[:t]).any():
             return True
     return False
 
@@ -73,8 +73,8 @@ WAYS = {
     "any": by_changing(lambda close, t: RNG.uniform(50, 150, len(close) - t - 1)),
     "a walk": by_changing(lambda close, t: close[t] * np.exp(np.cumsum(RNG.normal(0, 0.02, len(close) - t - 1)))),
     "cut": by_cutting,
-    "one close": by_one_close,
     "longer": by_going_on,
+    "in place": backwards_in_place,
 }
 
 
@@ -126,6 +126,17 @@ def test_a_leak_shows_in_every_market_and_not_everywhere(encoder, seed):
     assert any(shows)
     seldom = encoder in (leaks.now_and_then, leaks.only_at_the_end)
     assert np.mean(shows) < 0.5 if seldom else np.mean(shows) > 0.1
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_coarse_lows_and_highs_move_with_a_large_change_only(seed):
+    close = task_7._market(seed)
+    states = leaks.coarse_low_and_high_of_all(close)
+    for t in range(1, len(close)):
+        for change in (changed(t, 1.001), changed(t, 0.999), changed(t, 1.5, t + 1), changed(t, 1.01)):
+            np.testing.assert_array_equal(leaks.coarse_low_and_high_of_all(change(close))[:t], states[:t])
+    shows = [(leaks.coarse_low_and_high_of_all(changed(t, 1.1)(close))[:t] != states[:t]).any() for t in range(1, 90)]
+    assert np.mean(shows) > 0.3
 
 
 def test_states_are_many_and_what_looks_random_looks_so():
@@ -183,12 +194,42 @@ def test_why_is_read_from_what_was_asked(function, words):
     assert words in first_row(finds_the_leak(function)).likely
 
 
-def test_futures_that_show_nothing_are_told_from_places_that_were_not_tried():
-    def nearly_the_same(encode, close):
-        return any((encode(changed(t, 1.00005)(close))[:t] != encode(close)[:t]).any() for t in range(1, 90))
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda t: changed(t, 1.001), "are nearly the one that is given"),
+        (lambda t: changed(t, 0.99), "are nearly the one that is given"),
+        (lambda t: changed(t, 1.5, t + 1), "changes one close at a time"),
+        (lambda t: changed(t, 1.5, t + 2), "changes 2 closes at a time"),
+        (lambda t: changed(t, 1.5, t + 7), "none of the futures that your function tries shows it"),
+    ],
+)
+def test_futures_that_show_nothing_are_told_from_places_that_were_not_tried(change, words):
+    """A leak by way of all closes, coarsely: at every place, but by changes that do not move it."""
+    examined = task_7.Examined(leaks.coarse_low_and_high_of_all, task_7._market(0))
+    for t in range(1, 90):
+        other = change(t)(examined.close)
+        if examined.shows(t, other) is None:
+            examined.encode(other)
+    assert words in task_7._why_missed(examined)
 
-    rows = [row for row in finds_the_leak(nearly_the_same).rows if row.outcome is Outcome.NOT_YET]
-    assert any("none of the futures that your function tries shows it" in row.likely for row in rows)
+
+def test_the_array_that_was_given_may_not_be_changed_where_that_misleads():
+    def forgets_the_copy(encode, close):
+        states = encode(close)
+        return any((encode(changed_in_place(close, t))[:t] != states[:t]).any() for t in range(1, 90))
+
+    def loses_the_past(encode, close):
+        return any((encode(changed_in_place(close, t))[:t] != encode(close)[:t]).any() for t in range(1, 90))
+
+    def changed_in_place(close, t):
+        close[t:] *= 2
+        return close
+
+    assert first_row(finds_the_leak(forgets_the_copy)).likely == task_7._CHANGES_THE_PAST
+    assert first_row(finds_the_leak(loses_the_past)).likely == task_7._LOSES_THE_PAST
+    assert "close.copy()" in task_7._CHANGES_THE_PAST
+    assert "close.copy()" in task_7._LOSES_THE_PAST
 
 
 @pytest.mark.parametrize(

@@ -147,6 +147,11 @@ def test_each_misreading_of_an_update_meets_its_own_words(words, misread):
         assert first_row(learns_from_possible_actions(learn, seed=seed)).likely == words
 
 
+def test_what_is_absurd_is_worth_most():
+    for before, _ in task_5._cases(0, 4, impossible=task_5._ABSURD):
+        assert before.max() == before[0, reference.CLOSE] == before[-1, reference.OPEN] > 100
+
+
 def test_an_update_of_something_else_is_shown_with_its_step():
     def learn(q_table, *step):
         reference.update(q_table, *step)
@@ -211,15 +216,36 @@ def test_each_misreading_of_the_rule_meets_its_own_words(words, misread):
         assert first_row(trades_one_side_at_a_time(trade, seed=seed)).likely == words
 
 
-def test_equals_of_both_sides_are_no_matter_of_the_check():
-    """Neither opens by the rule; tables of real numbers have no such ties, so who opens one of them is not asked."""
+@pytest.mark.parametrize("favoured", [1, -1])
+def test_equals_of_both_sides_are_a_matter_of_the_ties_alone(favoured):
+    """Tables of real numbers have no such ties: they have to be made."""
 
-    def long_at_a_tie(q_long, q_short, states):
-        return reference.trade(q_long + 1e-9 * (np.arange(3) == 1), q_short, states)
+    def trade(q_long, q_short, states):
+        more = 1e-9 * (np.arange(3) == reference.OPEN)
+        gains = q_long[:, 1] - q_long[:, 0], q_short[:, 1] - q_short[:, 0]
+        q_long, q_short = q_long.copy(), q_short.copy()
+        rows = (gains[0] == gains[1]) & (gains[0] > 0)
+        (q_long if favoured > 0 else q_short)[rows] += more
+        return reference.trade(q_long, q_short, states)
 
-    rng = np.random.default_rng(0)
-    tables, states = task_6._tables(rng, 0.6, flips=True), task_6._states(rng, 200)
-    np.testing.assert_array_equal(long_at_a_tie(*tables, states), reference.trade(*tables, states))
+    for seed in range(10):
+        rows = trades_one_side_at_a_time(trade, seed=seed).rows
+        assert [row.tried for row in rows if row.outcome is not Outcome.PASSED] == ["ties"]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_ties_are_exact_by_whichever_formula_they_are_compared(seed):
+    q_long, q_short = task_6._tables_with_ties(np.random.default_rng(seed))
+    assert (q_long[4:7, 1] - q_long[4:7, 0] == q_short[4:7, 1] - q_short[4:7, 0]).all()
+    assert (q_long[4:7, 1] + q_short[4:7, 0] == q_short[4:7, 1] + q_long[4:7, 0]).all()
+    assert (q_long[4:7, 1] > q_long[4:7, 0]).all()
+    lone = [(table[:4, 1] == table[:4, 0]).tolist() for table in (q_long, q_short)]
+    assert lone == [[True, False, True, True], [False, True, True, True]]
+    assert reference.trade(q_long, q_short, np.array([4, 5, 6])).tolist() == [0, 0, 0], "of equals neither opens"
+    for side, tables in ((1, (q_long, np.zeros_like(q_short))), (-1, (np.zeros_like(q_long), q_short))):
+        assert reference.trade(*tables, np.array([5, 4, 5])).tolist() == [side] * 3, "a trade goes on in them"
+    ends = [table[task_6._S + 6, reference.CLOSE] > table[task_6._S + 6, reference.HOLD] for table in (q_long, q_short)]
+    assert ends == [True, True]
 
 
 def test_a_trader_that_looks_ahead_only_now_and_then_is_found():
@@ -240,6 +266,31 @@ def test_a_position_that_no_misreading_explains_is_shown_with_the_rows_that_deci
     row = first_row(trades_one_side_at_a_time(trade))
     assert "by hand for the rows shown here" in row.likely
     assert row.map.splitlines()[0].split() == ["hold", "open", "close"]
+
+
+@pytest.mark.parametrize(("before", "names"), [(1, ["long"]), (-1, ["short"]), (0, [])])
+def test_the_rows_that_decide_are_shown_and_nothing_impossible(before, names):
+    tables = [np.arange(12.0).reshape(4, 3) + height for height in (0, 20)]
+    lines = task_6._rows_of(*tables, before, 1).splitlines()
+    assert [line.split(",")[0] for line in lines[1:]] == [*names, "long", "short"]
+    assert len({len(line) for line in lines}) == 1, "in columns"
+    assert lines[-2].split()[-3:] == ["3.00", "4.00", "—"]
+    assert lines[-1].split()[-3:] == ["23.00", "24.00", "—"]
+    if before:
+        assert lines[1].split()[-3:] == [["9.00", "—", "11.00"], ["29.00", "—", "31.00"]][before < 0]
+
+
+def test_where_there_is_no_state_no_rows_are_spoken_of():
+    def trade(q_long, q_short, states):
+        """Two mistakes at once: long in the warm-up, and out of the market in every other state."""
+        return np.where(states < 0, 1, np.where(states % 2, reference.trade(q_long, q_short, states), 0))
+
+    for seed in range(5):
+        for row in trades_one_side_at_a_time(trade, seed=seed).rows:
+            assert "by hand" not in row.likely or row.map
+    row = trades_one_side_at_a_time(trade).rows[3]
+    assert row.came == "position 1 at t = 0; 0 is right, with position 0 before and state -1"
+    assert (row.likely, row.map) == (traders.WARM_UP, "")
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,7 @@ def test_money_worked_out_by_hand(fill, positions, factors, trades):
     assert np.exp(result.log_equity) == pytest.approx([1, factors[0], factors[0] * factors[1]], rel=1e-12)
     assert result.trades == trades
     assert not result.ruined
+    assert result.positions.tolist() == [positions[0], positions[1], positions[1]], "the last one never begins"
 
 
 @pytest.mark.parametrize("factor", [2.0, 2.5, 10.0])
@@ -111,6 +112,8 @@ def test_ruin_before_or_after_the_open_is_ruin_whatever_the_other_half_of_the_ba
         assert result.ruined
         assert result.log_equity[-1] == np.log(1e-6)
     assert account(prices, [-1, -1, 0, 0], cost=0.0, fill="next_open").ruined
+    held = account(bars([100, 100, 250], [100, 100, 120]), [-1, -1, 0], cost=0.0, fill="next_open")
+    assert np.exp(held.log_equity[-1]) == pytest.approx(0.8), "who does not trade at the open is not asked there"
     prices = bars([1, 1, 1e9], [1, 1, 1e9 * (2 - 1e-7)])  # a long gains a billionfold, the short after it loses all
     assert account(prices, [1, -1, 0], cost=0.0, fill="next_open").log_equity[-1] == np.log(1e-6)
 
@@ -154,6 +157,8 @@ def test_decisions_are_filled_at_the_next_open_where_there_is_one_at_five_basis_
     prices = random_bars(30, seed=7)
     for frame, fill in ((prices, "next_open"), (prices[["close"]], "close"), (prices[["close", "volume"]], "close")):
         assert np.array_equal(log_growth(frame), log_growth(frame, 0.0005, fill))
+        held = np.ones(30, int)
+        assert np.array_equal(account(frame, held).rewards, account(frame, held, cost=0.0005, fill=fill).rewards)
     assert not np.array_equal(log_growth(prices), log_growth(prices, 0.0005, "close"))
 
 

@@ -106,8 +106,9 @@ def test_min_max_of_training_is_a_level_between_its_low_and_its_high(close, leve
 @often
 @given(close=series, k=st.integers(1, 5), clip=st.sampled_from([0.5, 1.0, 5.0]))
 def test_returns_are_the_last_k_over_the_spread_of_training(close, k, clip):
-    seen = ReturnsEncoder(k, clip=clip).fit(TRAINING).transform(close)
-    sigma = np.std([np.log(b / a) for a, b in itertools.pairwise(TRAINING)])
+    training = TRAINING * 1.1 ** np.arange(len(TRAINING))  # it drifts, and the spread is that about the mean
+    seen = ReturnsEncoder(k, clip=clip).fit(training).transform(close)
+    sigma = np.std([np.log(b / a) for a, b in itertools.pairwise(training)])
     assert seen.shape == (len(close), k)
     assert seen.dtype == np.float32
     for t in range(len(close)):
@@ -177,6 +178,19 @@ def test_days_may_be_shorter_than_the_grid_and_deviations_larger_than_in_trainin
     rows = [2, 3, 0, 2, 4, 0, 2, 3, 2, 4, 4, 4, 2, 2]
     own_bars = [0, 1, 2, *range(5), *range(4), 0, 1]
     assert encoder.transform(days).tolist() == [row * 5 + bar for row, bar in zip(rows, own_bars, strict=True)]
+
+
+def test_a_first_day_that_is_cut_off_teaches_nothing():
+    """Its own first close is not known, and what it seems to deviate is more than any day does."""
+    days = DayGridMarket().prices(27)["close"].iloc[6:]  # three bars of the first day
+    days[:] = np.exp([0, 0.01, 0.08] + [0, 0.01, 0.02, 0.03, 0.04, 0.03, 0.02, 0.01, 0.0] * 2)
+    encoder = GridEncoder(9, mode="day").fit(days)
+    assert encoder.step == pytest.approx(0.01)
+    assert (encoder.transform(days)[3:12] // 9).tolist() == [4, 5, 6, 7, 8, 7, 6, 5, 4]
+    whole = GridEncoder(9, mode="day").fit(days[3:])
+    assert whole.step == pytest.approx(0.01)
+    only = GridEncoder(9, mode="day").fit(days[:3])
+    assert only.step == pytest.approx(0.02), "where there is no other day it has to do"
 
 
 def test_days_that_do_not_fit_or_are_one_bar_long_are_refused():

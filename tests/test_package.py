@@ -157,7 +157,7 @@ def test_imports_run_downwards(path):
 
 def test_only_planning_and_learning_know_the_compiled_loops():
     users = {module_of(path) for path in FILES for name in imported_by(path) if name.startswith("course_lib.kernels")}
-    assert users == {"bellman", "q_table"}
+    assert users == {"bellman", "market", "q_table"}
 
 
 def test_a_compiled_loop_calls_nothing_compiled_elsewhere():

@@ -1,6 +1,7 @@
 """The second world of the course: prices, what an agent sees of them, trading with its costs, and honest yardsticks."""
 
 from course_lib.market.accounting import Account, account, log_growth
+from course_lib.market.luck import coin_tossers
 from course_lib.market.optimum import optimum
 from course_lib.market.parts import Part, Split, split, walk_forward
 from course_lib.market.prices import PriceDataError, check_prices, read_csv, real_prices
@@ -49,6 +50,7 @@ __all__ = [
     "action_values",
     "buy_and_hold",
     "check_prices",
+    "coin_tossers",
     "flat",
     "log_growth",
     "metrics",

@@ -40,7 +40,7 @@ def trades(part, positions=None, *, bars=None, title="", words=None):
     positions = _checked_positions(positions, len(part))
     before = np.append(0, positions[:-1])[shown]
     positions = positions[shown]
-    figure, axes = new_figure(7.4, 4.6)
+    figure, axes = new_figure(7.4, 4.3)
     figure.clf()
     axes, below = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [4, 1]})
     for part_of_it in (axes, below):
@@ -124,9 +124,11 @@ def _times(count):
 
 
 def _legend_below(figure, axes, note=None):
-    """The legend under the picture, where it hides nothing; above it what `note` says."""
+    """The legend under the picture, which grows by it, so that it hides nothing; above it what `note` says."""
     handles, names = axes.get_legend_handles_labels()
-    columns = max(1, min(3, 78 // (max(map(len, names)) + 6)))
+    columns = max(1, min(3, 84 // (max(map(len, names)) + 6)))
+    rows = -(-len(names) // columns) + (note is not None)
+    figure.set_figheight(figure.get_figheight() + 0.12 + 0.2 * rows)
     legend = figure.legend(
         handles, names, loc="outside lower left", ncols=columns, fontsize=10, frameon=False, labelcolor=INK,
         title=note, title_fontsize=9, alignment="left",
@@ -146,7 +148,7 @@ def wealth(part, log_equity, *, band=(5, 95), title="", words=None):
             raise ValueError(f"log_equity of {name} must have {len(part)} bars, as the part, got {[*runs.shape]}")
     if not curves:
         raise ValueError("log_equity must hold one trader or more, got none")
-    figure, axes = new_figure(7.4, 4.3)
+    figure, axes = new_figure(7.4, 3.8)
     ends, place = [], np.arange(len(part))
     for i, (name, runs) in enumerate(curves.items()):
         low, middle, high = np.percentile(runs, [band[0], 50, band[1]], axis=0)
@@ -197,7 +199,7 @@ def in_and_out(sharpe, *, title="", words=None):
     if not pairs or not all(len(both) == 2 and len(both[0]) == len(both[1]) > 0 for both in pairs.values()):
         sizes = {name: [len(days) for days in both] for name, both in pairs.items()}
         raise ValueError(f"sharpe must hold two arrays of one length for each name, got lengths {sizes}")
-    figure, axes = new_figure(7.0, 4.5)
+    figure, axes = new_figure(7.0, 4.1)
     said, markers = [], "os^DvP*X"
     for i, (name, (inside, outside)) in enumerate(pairs.items()):
         look = {"color": PALETTE[i % len(PALETTE)], "alpha": 0.7, "s": 30, "linewidth": 0}

@@ -4,9 +4,9 @@
 
 All act at random along the same closes and begin again at their end. `SideEnv`, stepped, shows states of the last 8
 moves (Discrete) or the moves themselves (Box), and gives its whole `info`; gym-anytrading shows the last 8 prices and
-their changes. Both are given actions drawn beforehand, and then draw each of them by `action_space.sample()`, as
-gym-anytrading's page does. The compiled walk is `QAgent.train` at epsilon 1: it draws its actions itself, two numbers a
-step, and learns from every step; its target is meant against gym-anytrading that draws too.
+their changes. Both are given actions drawn beforehand, for which the targets are meant, and then draw each of them by
+`action_space.sample()`, as gym-anytrading's page does. The compiled walk is `coin_tossers`, which draws its actions
+itself. `QAgent.train` at epsilon 1 walks, too: it draws two numbers a step, and learns from every step.
 
 What differs: gym-anytrading pays the change of the price, in money and without a fee, when a position is closed and
 nothing before; fees are in `total_profit` alone, and not even there before the end of a trade. An action is carried out
@@ -34,6 +34,7 @@ from course_lib.market import (
     SideVectorEnv,
     WindowEncoder,
     account,
+    coin_tossers,
     real_prices,
 )
 
@@ -41,8 +42,9 @@ HAS_ANYTRADING, HAS_SB3 = (find_spec(name) is not None for name in ("gym_anytrad
 WINDOW, BARS, LANES = 8, 3000, (1, 64, 1024)
 DISCRETE, BOX, ANYTRADING = "SideEnv, Discrete", "SideEnv, Box", "gym-anytrading"
 SAMPLING = "{}, action_space.sample()"
+COIN_TOSSERS = "coin_tossers, the compiled walk"
 WALKS = {"QAgent.train, epsilon 1, masked": True, "QAgent.train, epsilon 1": False}
-TARGETS = {DISCRETE: "above 1", BOX: "above 1"} | dict.fromkeys(WALKS, "500 or more")
+TARGETS = {DISCRETE: "above 1", BOX: "above 1", COIN_TOSSERS: "500 or more"}
 LEARNING = {"gamma": 0.95, "alpha": 1.0, "alpha_power": 0.6, "epsilon": 1.0, "mask_actions": True}
 EPISODE = 250  # bars, when learning
 COMPILED, PLAIN, SB3 = "QAgent, compiled", "QAgent, stepping SideEnv", "Stable-Baselines3's DQN"
@@ -104,6 +106,12 @@ def run_vector(env, num_steps):
 
 def walker(env, mask_actions):
     return QAgent(env, epsilon=1.0, epsilon_decay=1.0, mask_actions=mask_actions)
+
+
+def run_coin_tossers(env, num_steps):
+    number = max(1, num_steps // env.tape.length)
+    coin_tossers(env, 1)  # compiled, or read from where it is kept
+    return seconds(lambda: coin_tossers(env, number)) / (number * env.tape.length)
 
 
 def run_walk(env, mask_actions, num_steps):
@@ -175,6 +183,20 @@ def check_walk(prices, mask_actions, num_episodes):
     if not all(np.array_equal(a, b) for a, b in zip(compiled, plain, strict=True)):
         raise ValueError("the compiled walk and stepping SideEnv came to different results")
     return int(agents[0].history.episode_length.sum())
+
+
+def check_coin_tossers(prices, number):
+    """`ValueError` unless the compiled coins pay what SideEnv pays when stepped, to the last bit; the steps."""
+    env, rng = side_env(prices), np.random.default_rng(0)
+    for made in coin_tossers(env, number, seed=0):
+        rng.random()  # where to begin: there is one bar
+        _, info = env.reset(seed=0)
+        for _ in range(env.tape.length):
+            coin = int(rng.random() * 2)
+            _, _, _, _, info = env.step(np.flatnonzero(info["action_mask"])[coin])
+        if info["log_equity"] != made:
+            raise ValueError("the compiled coins and stepping SideEnv came to different results")
+    return number * env.tape.length
 
 
 def check_account(prices, num_episodes):
@@ -264,6 +286,7 @@ def race_steps(name, prices, num_steps, walk_steps, repeats):
     for lanes in LANES:
         vector = side_env(prices, kind=SideVectorEnv, num_envs=lanes)
         runs[f"SideVectorEnv({lanes})"] = lambda vector=vector: run_vector(vector, num_steps)
+    runs[COIN_TOSSERS] = lambda: run_coin_tossers(side_env(prices), walk_steps)
     for walk, masked in WALKS.items():
         runs[walk] = lambda masked=masked: run_walk(side_env(prices), masked, walk_steps)
     taken = medians(runs, repeats)
@@ -312,6 +335,7 @@ def main(
     for name, prices in histories().items():
         check_account(prices, 1)
         check_vector(prices, 8, 200)
+        check_coin_tossers(prices, 2)
         for masked in WALKS.values():
             check_walk(prices, masked, 2)
         if HAS_ANYTRADING:

@@ -86,6 +86,12 @@ def test_the_compiled_walk_comes_to_what_stepping_comes_to(name, masked):
 
 
 @each_history
+def test_the_coins_pay_what_the_environment_pays(name):
+    prices = market.histories()[name].iloc[-400:]
+    assert market.check_coin_tossers(prices, 5) == 5 * (400 - market.WINDOW - 1)
+
+
+@each_history
 def test_the_environment_pays_what_the_account_says(name):
     prices = market.histories()[name].iloc[-400:]
     assert market.check_account(prices, 5) == 5 * (400 - market.WINDOW - 1)
@@ -151,7 +157,7 @@ def test_market_prints_its_tables(capsys, monkeypatch):
         monkeypatch.setattr(market, name, value)
     tiny_market(passes=2)
     printed = capsys.readouterr().out
-    assert all(f"| {program} " in printed for program in (market.DISCRETE, market.COMPILED, *market.WALKS))
+    assert all(f"| {program} " in printed for program in (market.DISCRETE, market.COIN_TOSSERS, market.COMPILED))
     assert printed.count("network-steps a second") == 1
 
 

@@ -16,8 +16,8 @@ AHEAD = (
     "trader decides."
 )
 DIVIDES = (
-    "your code divides by zero, or gives an odd level, where the price stands still: with high = low the level is "
-    "{middle}{column}."
+    "your code divides by zero, or gives another level than the middle one, where the price stands still: with high = "
+    "low the level is {middle}{column}."
 )
 _LOOKS_AHEAD = (
     "your states look ahead: what stands at t depends on closes that come after t. Is something worked out from all "
@@ -32,11 +32,13 @@ class Encoder:
     right      right(close, *settings) -> int[T]
     warm_up    warm_up(*settings): bars without a state at the beginning
     misread    (words, function as `right`) of each misunderstanding, the likeliest first
+    worked     worked(case, window): a line with what is worked out from the closes; window the slice that is shown
     """
 
     right: object
     warm_up: object
     misread: tuple
+    worked: object = None
 
     def check(self, call, cases, otherwise=""):
         """The states are the right ones in each case, a tuple (close, *settings).
@@ -91,7 +93,7 @@ class Tried:
     """One call of an encoder: the states that came beside the right ones, int[T] both."""
 
     def __init__(self, encoder, case, came):
-        self.case, self.came, self.right = case, came, encoder.right(*case)
+        self.encoder, self.case, self.came, self.right = encoder, case, came, encoder.right(*case)
         self.warm_up = encoder.warm_up(*case[1:])
         self.wrong = np.flatnonzero(came[self.warm_up :] != self.right[self.warm_up :]) + self.warm_up
 
@@ -104,9 +106,11 @@ class Tried:
     def say(self, likely):
         """Raise `NotYet` on the first wrong state after the warm-up."""
         t = self.wrong[0]
-        window = self.case[0][t - self.warm_up : t + 1]
-        shown = " ".join(f"{price:.2f}" for price in window[-_MOST_SHOWN:])
-        shown = f"closes up to t = {t}: {'… ' if len(window) > _MOST_SHOWN else ''}{shown}"
+        window = slice(max(t - self.warm_up, t + 1 - _MOST_SHOWN), t + 1)
+        shown = " ".join(f"{price:.2f}" for price in self.case[0][window])
+        shown = f"closes up to t = {t}: {'… ' if self.warm_up >= _MOST_SHOWN else ''}{shown}"
+        if self.encoder.worked is not None:
+            shown += "\n" + self.encoder.worked(self.case, window)
         raise NotYet(f"state {self.came[t]} at t = {t}; {self.right[t]} is right there", likely, shown)
 
 

@@ -8,6 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from course_lib.checks.homework_2.reference import NO_STATE
 
 _FLAT = 0.004  # log return
+COARSE = 0.05  # log price
 _SALT = 2_654_435_761  # Knuth's multiplier: what it is multiplied by looks random
 
 
@@ -111,6 +112,14 @@ def three_bars(close):
 
 
 @_quietly
+def twenty_bars(close):
+    """Whether the price will be higher twenty bars later."""
+    states = _levels(close, 12)
+    states[states >= 0] += 10 * (_later(close, 20, -np.inf) > close)[states >= 0]
+    return states
+
+
+@_quietly
 def centred(close):
     """Between the low and the high of the five closes before and the five after."""
     windows = sliding_window_view(np.pad(close, 5, mode="edge"), 11)
@@ -121,6 +130,18 @@ def centred(close):
 def all_lows_and_highs(close):
     """Between the low and the high of all closes."""
     return _level(close, close.min(), close.max())
+
+
+@_quietly
+def coarse_low_and_high_of_all(close):
+    """Between a low and a high of all closes that stay where they are if one close changes, or all a little."""
+    low, high = coarse_low_and_high(close)
+    return _level(close, np.exp(COARSE * np.floor(low)), np.exp(COARSE * np.ceil(high)))
+
+
+def coarse_low_and_high(close):
+    """float[2]: the closes that a tenth of all is below, and a tenth above: their logarithms in steps of `COARSE`."""
+    return np.quantile(np.log(close), [0.1, 0.9]) / COARSE
 
 
 @_quietly

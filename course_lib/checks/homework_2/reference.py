@@ -13,12 +13,16 @@ NO_STATE = -1  # while the window is not full
 def window_states(close, num_train, k):
     """int[T]: the last k moves, each a digit (0 down, 1 flat, 2 up), as a base-3 number whose last digit is the newest.
 
-    A move is flat where |log return| <= the 1/3 quantile of those between the first `num_train` closes. -1 for t < k.
+    A move is flat where |log return| <= the `threshold` of the training part. -1 for t < k.
     """
-    returns = np.diff(np.log(close))
-    flat = np.quantile(np.abs(returns[: num_train - 1]), 1 / 3)
+    returns, flat = np.diff(np.log(close)), threshold(close, num_train)
     digits = [1 if abs(r) <= flat else 2 if r > 0 else 0 for r in returns.tolist()]  # digits[t - 1]: the move to t
     return np.array([NO_STATE if t < k else base_3(digits[t - k : t]) for t in range(len(close))])
+
+
+def threshold(close, num_train):
+    """Up to which size a move is flat: the 1/3 quantile of the log returns between the first `num_train` closes."""
+    return np.quantile(np.abs(np.diff(np.log(close[:num_train]))), 1 / 3)
 
 
 def base_3(digits):

@@ -9,7 +9,7 @@ import numpy as np
 from course_lib.checks.check import Check, Trial
 from course_lib.checks.homework_2.encoders import AHEAD, ANY, Encoder, shifted
 from course_lib.checks.homework_2.prices import drowsy, lively, wilder
-from course_lib.checks.homework_2.reference import base_3, window_states
+from course_lib.checks.homework_2.reference import base_3, threshold, window_states
 
 _DIGITS = "0 is a move down, 1 a flat one, 2 a move up"
 
@@ -96,10 +96,19 @@ _MISREAD = (
         partial(_read, flat_of=lambda sizes, num_train: np.concatenate([[0], sizes[: num_train - 1]])),
     ),
 )
-_ENCODER = Encoder(window_states, lambda _, k: k, _MISREAD)
+
+
+def _moves_and_threshold(case, window):
+    """The moves between the closes that are shown, and the size up to which they are flat."""
+    close, num_train, _ = case
+    moves = " ".join(f"{r:.5f}" for r in np.diff(np.log(close[window])))
+    return f"r between them: {moves.replace('-', '−')}\nflat = {threshold(close, num_train):.5f}"
+
+
+_ENCODER = Encoder(window_states, lambda _, k: k, _MISREAD, _moves_and_threshold)
 _OTHERWISE = (
-    "the threshold, the digits or their order differ from what the task asks for. Print the moves and their digits for "
-    "the closes shown here, and work out the number by hand."
+    "the threshold, the digits or their order differ from what the task asks for. Print your moves, your threshold and "
+    "your digits for the closes shown here, and work out the number by hand."
 )
 
 

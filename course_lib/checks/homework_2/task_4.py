@@ -35,6 +35,11 @@ def _in_prices(price, next_price, side, position, next_position, cost):
     return side * next_position * (next_price - price) if position == next_position or cost == 0 else ANY
 
 
+def _off_the_gain(price, next_price, side, position, next_position, cost):
+    """The cost and what the price brings, both in parts of the money at first."""
+    return math.log(1 + side * next_position * (next_price / price - 1) - cost * (position != next_position))
+
+
 def _only_at_the_close(price, next_price, side, position, next_position, cost):  # noqa: ARG001 (the signature)
     """Nothing while the trade lasts; at its end anything, since the price at which it began is not known."""
     return ANY if position != next_position else 0.0
@@ -105,6 +110,11 @@ _MISREAD = (
         "`cost` is taken off the logarithm as it is: the money becomes 1 − cost of what it was, so log(1 − cost) is "
         "added.",
         _paying(fee=lambda cost, old, new: -cost if old != new else 0),
+    ),
+    (
+        "the cost is taken off the gain, as log(1 + … − cost). It is taken from all the money first, and then the rest "
+        "moves: (1 − cost) · (1 + …).",
+        _off_the_gain,
     ),
     *(
         (

@@ -36,6 +36,7 @@ def _learned(before, step, *, best="possible", row="position", next_row=None, co
         "possible": values[possible].max(),
         "all": values.max(),
         "possible before": values[list(POSSIBLE[position])].max(),
+        "exchanged": values[list(POSSIBLE[1 - next_position])].max(),
         "minimum": values[possible].min(),
         "mean": values[possible].mean(),
         "same action": values[action],
@@ -56,12 +57,17 @@ _MISREAD = (
     ),
     (
         "the maximum goes over impossible actions as well: in a trade nothing can be opened, out of it nothing closed. "
-        "What can never be done is worth nothing.",
+        "What can never be done must not count.",
         partial(_learned, best="all"),
     ),
     (
         "the maximum goes over the actions that were possible before: after the step, `next_position` says which are.",
         partial(_learned, best="possible before"),
+    ),
+    (
+        "the possible actions are exchanged: out of a trade they are hold and open, `[0, 1]`; in a trade they are hold "
+        "and close, `[0, 2]`.",
+        partial(_learned, best="exchanged"),
     ),
     (
         "an impossible action counts as 0, which is more than a loss: leave it out of the maximum.",
@@ -161,18 +167,22 @@ def _same(table, other):
     return np.allclose(table, other, rtol=0, atol=1e-9)
 
 
-def _cases(seed, num_states, *, alpha=None, gamma=None, impossible=-5.0):
-    """A table and a step of each kind, twice.
+def _cases(seed, num_states, *, alpha=None, gamma=None, impossible=None):
+    """A table and a step of each kind, twice: to where hold is worth less than the other possible action, and more.
 
     alpha, gamma  drawn for each step where None
-    impossible    the value of impossible actions, less than any other or absurdly high
+    impossible    the value of impossible actions; None: never the best of a row, but better than hold where it can be
     """
     rng = np.random.default_rng(seed)
     cases = []
-    for position, action, next_position in _STEPS * 2:
+    for i, (position, action, next_position) in enumerate(_STEPS * 2):
         table = rng.uniform(0.2, 3, (2 * num_states, 3)) * rng.choice([-1, 1], (2 * num_states, 1))
-        table[:num_states, CLOSE] = table[num_states:, OPEN] = impossible
         state, next_state = (int(i) for i in rng.choice(num_states, 2, replace=False))
+        is_hold_best = i >= len(_STEPS)
+        for rows, other, never in ((table[:num_states], OPEN, CLOSE), (table[num_states:], CLOSE, OPEN)):
+            rows[next_state, [HOLD, other]] = np.sort(rows[next_state, [HOLD, other]])[:: -1 if is_hold_best else 1]
+            hold, best = rows[:, HOLD], rows[:, other]
+            rows[:, never] = np.where(hold < best, (hold + best) / 2, -5) if impossible is None else impossible
         drawn = float(rng.uniform(0.2, 0.6)), float(rng.uniform(0.5, 0.95))
         rates = (drawn[0] if alpha is None else alpha, drawn[1] if gamma is None else gamma)
         cases.append((table, (position, action, next_position, state, next_state, float(rng.normal()), *rates)))

@@ -5,9 +5,10 @@ import numpy as np
 from course_lib.checks.check import Check, NotYet, Trial
 from course_lib.checks.homework_2.answers import positions_of
 from course_lib.checks.homework_2.reference import CLOSE, HOLD, NO_STATE, OPEN, trade
-from course_lib.checks.homework_2.traders import AHEAD, ANY, MISREAD
+from course_lib.checks.homework_2.traders import AHEAD, ANY, MISREAD, WARM_UP
 
 _S = 12  # states of the tables here
+_IMPOSSIBLE = {"out of it": CLOSE, "in a trade": OPEN}
 _NEVER_TRADES = "your trader never trades: it begins with position 0, and opens nothing."
 
 
@@ -26,7 +27,16 @@ def _check(call, cases, otherwise=""):
             if all(_explains(misread(*case), came[i]) for i, case in enumerate(cases)):
                 likely = words
                 break
+        else:
+            early = [i for i in wrong if _is_in_the_warm_up(cases[i], came[i], right[i])]
+            if early:
+                likely, wrong = WARM_UP, early
     _say(cases[wrong[0]], came[wrong[0]], right[wrong[0]], likely)
+
+
+def _is_in_the_warm_up(case, came, right):
+    """Whether the first wrong position is that of a bar without a state, for which there are no rows to show."""
+    return case[-1][np.flatnonzero(came != right)[0]] == NO_STATE
 
 
 def _explains(misread, came):
@@ -46,11 +56,12 @@ def _say(case, came, right, likely):
 
 def _rows_of(q_long, q_short, before, state):
     """The rows that may decide, as a small table: in a trade its own, and those for what may be opened after it."""
-    tables, shown = {1: ("long", q_long), -1: ("short", q_short)}, [f"{'':<16}    hold    open   close"]
-    rows = [(f"{tables[before][0]}, in a trade", tables[before][1][len(q_long) // 2 + state])] if before else []
-    rows += [(f"{name}, out of it", table[state]) for name, table in tables.values()]
-    for name, row in rows:
-        shown.append(f"{name:<16}" + "".join(f"{value:8.2f}" for value in row))
+    tables, shown = {1: ("long", q_long), -1: ("short", q_short)}, [f"{'':<17}    hold    open   close"]
+    rows = [(tables[before][0], "in a trade", tables[before][1][len(q_long) // 2 + state])] if before else []
+    rows += [(name, "out of it", table[state]) for name, table in tables.values()]
+    for name, where, row in rows:
+        values = ["—" if action == _IMPOSSIBLE[where] else f"{value:.2f}" for action, value in enumerate(row)]
+        shown.append(f"{f'{name}, {where}':<17}" + "".join(f"{value:>8}" for value in values))
     return "\n".join(shown)
 
 
@@ -97,21 +108,35 @@ def _waits_for_a_state(call, seed):
     cases = []
     for warm_up in (1, 7, 12):
         tables = _tables(rng, 0.7)
-        tables[int(rng.integers(2))][-1, [HOLD, OPEN]] = -9, 9  # what `table[-1]` says
+        tables[int(rng.integers(2))][-1, [HOLD, OPEN, CLOSE]] = -9, 9, -10  # what `table[-1]` says
         cases.append((*tables, _states(rng, 40, warm_up)))
     _check(call, cases)
 
 
 def _holds_at_a_tie(call, seed):
     rng = np.random.default_rng(seed + 4)
-    cases = []
-    for _ in range(3):
-        tables = _tables(rng, 0.6)
-        for table in tables:
-            table[:3, OPEN] = table[:3, HOLD]
-            table[[_S, _S + 2, _S + 4], CLOSE] = table[[_S, _S + 2, _S + 4], HOLD]
-        cases.append((*tables, _states(rng, 80)))
-    _check(call, cases, "a tie is no reason to act: q[open] > q[hold] opens, q[close] > q[hold] closes.")
+    _check(
+        call,
+        [(*_tables_with_ties(rng), _states(rng, 120)) for _ in range(3)],
+        "a tie is no reason to act: q[open] > q[hold] opens, q[close] > q[hold] closes, and of equal advantages "
+        "neither side opens.",
+    )
+
+
+def _tables_with_ties(rng):
+    """Tables whose ties are exact, by whichever formula two values or two advantages are compared.
+
+    States 0 to 3: opening is worth as much as holding, for one side while the other loses, or for both. States 4 to 6:
+    both sides gain, and gain the same; a trade goes on in 4 and 5 and ends in 6. States 0, 2, 4: closing is a tie.
+    """
+    tables = _tables(rng, 0.6)
+    advantages = np.array([[0, -0.5], [-0.5, 0], [0, 0], [0, 0], [0.5, 0.5], [1.25, 1.25], [0.75, 0.75]])
+    for table, gains in zip(tables, advantages.T, strict=True):
+        table[:7] = np.round(table[:7] * 64) / 64  # sums and differences of such numbers are not rounded
+        table[:7, OPEN] = table[:7, HOLD] + gains
+        table[[_S, _S + 2, _S + 4], CLOSE] = table[[_S, _S + 2, _S + 4], HOLD]
+        table[[_S + 5, _S + 6], CLOSE] = table[[_S + 5, _S + 6], HOLD] + [-0.5, 0.5]
+    return tables
 
 
 def _knows_no_later_state(call, seed):
@@ -149,7 +174,7 @@ trades_one_side_at_a_time = Check(
             _turns_round_in_one_bar,
         ),
         Trial("states that begin with −1", "position 0 there, then as ever", _waits_for_a_state),
-        Trial("ties", "nothing is opened and nothing closed", _holds_at_a_tie),
+        Trial("ties", "nothing is opened and nothing closed; of equal advantages neither side opens", _holds_at_a_tie),
         Trial("the same states with others after them", "the same positions up to there", _knows_no_later_state),
     ],
     likely={
@@ -162,7 +187,7 @@ trades_one_side_at_a_time = Check(
         "In a trade, long or short, look into that side's table, row `num_states + state`: it closes if q[close] > "
         "q[hold]. Then the position is 0, but remember which side it was.",
         "Out of a trade look at row `state` of both tables. The advantage of a side is q[open] − q[hold]. The larger "
-        "one opens, if it is positive: unless that side has closed in this very bar.",
+        "one opens, if it is positive: unless that side has closed in this very bar. Of equals neither does.",
         "`closed = 0` at the beginning of each bar, and `closed, position = position, 0` at a close. Then, if the "
         "position is 0, work out `wanted`, the side with the larger positive advantage or 0: `if wanted != closed: "
         "position = wanted`. At the end of each bar `positions.append(position)`.",

@@ -15,7 +15,9 @@ _T = 90  # closes of the market that is given
 _LONGEST = 10 * _T  # closes that an encoder takes
 _MOST_CALLS = 10_000  # enough for a hundred other futures after every bar
 _MOST_LOOKED_AT = 500  # of the questions, when it comes to saying why
-_TINY = 1e-6  # of a price
+_TINY, _SMALL = 1e-6, 0.05  # of a price
+_FEW = 5  # closes
+_CLEAR = 0.25  # of a step between coarse lows or highs
 _NEVER_CALLED = "your function never calls `encode`: what an encoder does can only be seen by asking it."
 _NEVER_STOPS = (
     f"your function calls `encode` more than {_MOST_CALLS} times: a loop in it goes on, whatever answer it gets. Does "
@@ -24,6 +26,14 @@ _NEVER_STOPS = (
 _NO_OTHER_FUTURE = (
     "your function never asks about another future: change the closes after some t, or leave them out, and call "
     "`encode` again."
+)
+_CHANGES_THE_PAST = (
+    "your function changes `close` itself, so that after the first change the past is no longer the old one either. "
+    "Change a copy: `other = close.copy()`."
+)
+_LOSES_THE_PAST = (
+    "your function changes `close` itself, so that the first states, too, are those of the changed prices. Change a "
+    "copy: `other = close.copy()`."
 )
 
 
@@ -35,6 +45,7 @@ class Examined:
     close: np.ndarray
     asked: list = field(default_factory=list)  # float[n] of each call
     says: object = None
+    changes_close: bool = False  # whether the array that it was given is another one afterwards
 
     def encode(self, close):
         """The encoder as the learner's function calls it."""
@@ -77,9 +88,13 @@ def _as_closes(value):
 
 
 def _market(seed):
-    """Closes in which every leak shows, in many places: float[T]."""
+    """Closes in which every leak shows, in many places, the coarse one under large changes only: float[T]."""
     rng = np.random.default_rng(seed)
-    return closes(rng.normal(0, 0.012, _T - 1))
+    while True:
+        close = closes(rng.normal(0, 0.012, _T - 1))
+        steps = leaks.coarse_low_and_high(close)
+        if (np.abs(steps - np.round(steps)) > _CLEAR).all():
+            return close
 
 
 def _examine(call, seed, encoder):
@@ -92,16 +107,18 @@ def _examine(call, seed, encoder):
             return examined.encode(close)
 
         try:
-            value = call(Callback(encode, max_calls=_MOST_CALLS), examined.close).value
+            returned = call(Callback(encode, max_calls=_MOST_CALLS), examined.close)
         except Fault as fault:
             if fault.kind is Kind.STEPS_UP:
                 raise NotYet(str(fault), _NEVER_STOPS, last=True) from None
             raise
+        value, after = returned.value, returned.arrays[0]
         if isinstance(value, np.ndarray) and value.ndim == 0:
             value = value.item()
         if not isinstance(value, bool):
             _say_what_is_wanted(value)
         examined.says = value
+        examined.changes_close = not (isinstance(after, np.ndarray) and np.array_equal(after, examined.close))
         return examined
 
     return call.once(encoder.__name__, work)
@@ -137,6 +154,8 @@ def _why_missed(examined):
     futures, close = examined.futures, examined.close
     if not examined.asked:
         return _NEVER_CALLED
+    if examined.changes_close:
+        return _LOSES_THE_PAST
     if not futures:
         return _NO_OTHER_FUTURE
     for kept, other in futures[:_MOST_LOOKED_AT]:
@@ -158,6 +177,17 @@ def _why_missed(examined):
             f"your function tries {len(places)} of the {len(close) - 1} places at which the future can begin. A leak "
             "may show in a few bars only: try every t."
         )
+    most = max(_number_changed(other, close) for _, other in futures)
+    if most <= _FEW:
+        return (
+            f"your function changes {'one close' if most == 1 else f'{most} closes'} at a time: what is worked out "
+            "from all closes, such as a quantile, hardly moves then. Change all closes after t."
+        )
+    if all(_is_nearly(other[kept:], close[kept:], _SMALL) for kept, other in futures):
+        return (
+            "your futures are nearly the one that is given: some leaks move a state only if the future changes a lot. "
+            "Let it be quite another one, twice or half the price."
+        )
     if all(_equal(np.sort(other[kept:]), np.sort(close[kept:])) for kept, other in futures):
         return (
             "your other futures are made of the same closes in another order, so that their low and high stay the "
@@ -166,13 +196,19 @@ def _why_missed(examined):
     return "none of the futures that your function tries shows it: let them be quite other ones, at every t."
 
 
-def _is_nearly(future, other):
-    return len(future) == len(other) and bool((np.abs(future / other - 1) < _TINY).all())
+def _is_nearly(future, other, share=_TINY):
+    return len(future) == len(other) and bool((np.abs(future / other - 1) < share).all())
+
+
+def _number_changed(close, other):
+    return int((close != other).sum()) if len(close) == len(other) else max(len(close), len(other))
 
 
 def _why_suspected(examined):
     if not examined.asked:
         return _NEVER_CALLED
+    if examined.changes_close:
+        return _CHANGES_THE_PAST
     if not examined.futures:
         return _NO_OTHER_FUTURE
     return (
@@ -190,8 +226,10 @@ _CLEAN = {
 _LEAKING = {
     leaks.one_bar: "the next move is among its digits.",
     leaks.three_bars: "it knows whether the price is higher three bars later.",
+    leaks.twenty_bars: "it knows whether the price is higher twenty bars later.",
     leaks.centred: "its window has the newest close in the middle, five before and five after it.",
     leaks.all_lows_and_highs: "its low and high are those of all closes.",
+    leaks.coarse_low_and_high_of_all: "its low and high are quantiles of all closes, roughly rounded.",
     leaks.thresholds_of_all: "its thresholds are quantiles of all moves.",
     leaks.now_and_then: "after two moves that are alike the next close has a part in its states.",
     leaks.only_at_the_end: "the last close has a part in its last three states.",
@@ -210,12 +248,21 @@ finds_the_leak = Check(
         Trial(
             "windows that end at the newest close, and windows that do not",
             "False where the window ends there, True where it goes on",
-            _told_apart([leaks.last_low_and_high, leaks.long_warm_up, leaks.centred, leaks.three_bars]),
+            _told_apart(
+                [leaks.last_low_and_high, leaks.long_warm_up, leaks.centred, leaks.three_bars, leaks.twenty_bars]
+            ),
         ),
         Trial(
             "low, high and thresholds of all closes",
             "True of these; False of states that only look random",
-            _told_apart([leaks.looks_random, leaks.all_lows_and_highs, leaks.thresholds_of_all]),
+            _told_apart(
+                [
+                    leaks.looks_random,
+                    leaks.all_lows_and_highs,
+                    leaks.thresholds_of_all,
+                    leaks.coarse_low_and_high_of_all,
+                ]
+            ),
         ),
         Trial(
             "leaks that show in a few bars only",

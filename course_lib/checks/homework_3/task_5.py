@@ -144,9 +144,6 @@ _MISTAKES = [
     (_pair(_one_stage_sooner), _AGE.format("early")),
     (_pair(_last_of_equals), _EQUALS),
     (_pair(_last_of_equals_at_the_end), _EQUALS),
-    (_pair(_begins_with_0(0)), _FROM_0),
-    (_pair(_begins_with_0(-1)), _FROM_0),
-    (_pair(_minimum), "your function looks for the lowest score: these are gains, and the highest is the best."),
     (
         _pair(_falls_in_a_row),
         "your function counts falls in a row. What counts is how many stages ago the best score was, whatever the "
@@ -159,6 +156,9 @@ _MISTAKES = [
     (_pair(_best_score), "the second number is the best score: what is wanted is its stage."),
     (_pair(_stages_from_1), "your stages count from 1: the first score is that of stage 0."),
     (_pair(_number_of_stages), "the first number is how many stages there were: the first of them is stage 0."),
+    (_pair(_begins_with_0(0)), _FROM_0),
+    (_pair(_begins_with_0(-1)), _FROM_0),
+    (_pair(_minimum), "your function looks for the lowest score: these are gains, and the highest is the best."),
     (_pair(_stop_only), "the best stage is missing: `return stop, best`."),
     (_pair(_best_only), "the stage at which training stopped is missing: `return stop, best`."),
 ]

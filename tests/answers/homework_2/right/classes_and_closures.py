@@ -134,12 +134,9 @@ class Trader:
             if self.tables[self.position].action(1, state) == 0:
                 return self.position
             sides = {-self.position}
-            rival = self.gain(self.position, state)
             self.position = 0
-        else:
-            rival = 0
-        for side in sorted(sides, key=lambda side: -self.gain(side, state))[:1]:
-            if self.gain(side, state) > max(0, rival):
+        for side in sides:
+            if self.gain(side, state) > max(0, self.gain(-side, state)):
                 self.position = side
         return self.position
 

@@ -57,7 +57,7 @@ def trade(q_long, q_short, states):
     number = len(q_long) // 2
     tables = {1: pd.DataFrame(q_long, columns=list("hoc")), -1: pd.DataFrame(q_short, columns=list("hoc"))}
     gains = pd.DataFrame({side: (table.o - table.h)[:number] for side, table in tables.items()})
-    best = gains.idxmax(axis=1).where(gains.max(axis=1) > 0, 0)
+    best = gains.idxmax(axis=1).where((gains.max(axis=1) > 0) & (gains[1] != gains[-1]), 0)
     closes = pd.DataFrame({side: (table.c > table.h)[number:].to_numpy() for side, table in tables.items()})
     position, positions = 0, pd.Series(0, index=range(len(states)))
     for t, state in pd.Series(states).items():

@@ -74,7 +74,7 @@ def trade(q_long, q_short, states):
     def opening(state):
         gains = {1: q_long[state, 1] - q_long[state, 0], -1: q_short[state, 1] - q_short[state, 0]}
         side = max(gains, key=gains.get)
-        return side if gains[side] > 0 else 0
+        return side if gains[side] > max(0, gains[-side]) else 0
 
     def decide(position, state):
         if state == -1:

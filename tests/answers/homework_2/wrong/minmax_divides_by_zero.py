@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "stands_between_low_and_high"
-SAYS = "divides by zero, or gives an odd level"
+SAYS = "divides by zero, or gives another level than the middle one"
 
 
 def minmax_states(close, m, levels):

@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "finds_turns_on_a_grid"
-SAYS = "divides by zero, or gives an odd level"
+SAYS = "divides by zero, or gives another level than the middle one"
 
 
 def grid_states(close, n):

@@ -3,7 +3,7 @@
 import numpy as np
 
 CHECK = "trades_one_side_at_a_time"
-SAYS = "although the one just closed has the larger advantage"
+SAYS = "if the one that has just closed has the larger advantage, nothing opens"
 
 
 def trade(q_long, q_short, states):

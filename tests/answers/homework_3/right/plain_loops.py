@@ -75,7 +75,7 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
         y = targets([rewards[i] for i in batch], [terminated[i] for i in batch], [next_possible[i] for i in batch],
                     online, there, 0.9)
         values = network(x[batch])
-        taken = torch.stack([values[row, actions[i]] for row, i in enumerate(batch)])
+        taken = values[list(range(64)), [actions[i] for i in batch]]
         loss = torch.nn.functional.smooth_l1_loss(taken, torch.tensor(y, dtype=torch.float32))
         optimizer.zero_grad()
         loss.backward()

@@ -1,0 +1,33 @@
+"""The first of two equal advantages opens, unless it is the bar of a close."""
+
+import numpy as np
+
+CHECK = "trades_one_side_at_a_time"
+SAYS = "where both sides gain the same, the long one opens"
+
+
+def trade(q_long, q_short, states):
+    num_states = len(q_long) // 2
+    position = 0
+    positions = []
+    for state in states:
+        closed = 0
+        if state == -1:
+            positions.append(0)
+            continue
+        if position != 0:
+            table = q_long if position == 1 else q_short
+            row = table[num_states + state]
+            if row[2] > row[0]:
+                closed = position
+                position = 0
+        if position == 0:
+            long = q_long[state, 1] - q_long[state, 0]
+            short = q_short[state, 1] - q_short[state, 0]
+            wanted = 0
+            gains = {1: long, -1: short}
+            wanted = max(gains, key=gains.get) if closed == 0 else -closed
+            if gains[wanted] > 0 and (closed == 0 or gains[wanted] > gains[closed]):
+                position = wanted
+        positions.append(position)
+    return np.array(positions)

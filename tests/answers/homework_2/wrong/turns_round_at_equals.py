@@ -1,0 +1,37 @@
+"""In the bar of a close the other side opens at an equal advantage too."""
+
+import numpy as np
+
+CHECK = "trades_one_side_at_a_time"
+SAYS = "the other side opens in the bar of a close: of equal advantages neither"
+
+
+def trade(q_long, q_short, states):
+    num_states = len(q_long) // 2
+    position = 0
+    positions = []
+    for state in states:
+        closed = 0
+        if state == -1:
+            positions.append(0)
+            continue
+        if position != 0:
+            table = q_long if position == 1 else q_short
+            row = table[num_states + state]
+            if row[2] > row[0]:
+                closed = position
+                position = 0
+        if position == 0:
+            long = q_long[state, 1] - q_long[state, 0]
+            short = q_short[state, 1] - q_short[state, 0]
+            wanted = 0
+            if long > short and long > 0:
+                wanted = 1
+            if short > long and short > 0:
+                wanted = -1
+            if closed and long == short > 0:
+                wanted = -closed
+            if wanted != closed:
+                position = wanted
+        positions.append(position)
+    return np.array(positions)

@@ -100,9 +100,15 @@ def test_on_the_rubber_band_levels_see_the_pattern_in_every_one_of_twenty_market
 
 
 def test_on_the_rubber_band_turns_see_some_of_it_in_every_market():
-    unseen = sharpe_of("rubber band", "turn 8", 0.001)[:, 1]
-    assert unseen.min() > 0.3
-    assert unseen.mean() > 1.3
+    """Markets of 10,000 bars: over 2,000 unseen ones a Sharpe ratio is good to about 0.35, over 1,000 to 0.5."""
+    unseen = []
+    for seed in SEEDS:
+        parts = split(MARKETS["rubber band"].prices(10_000, seed=seed))
+        eyes = GridEncoder(8).fit(parts.training.close)
+        agents = learned(parts.training, eyes, cost=0.001, seed=seed)
+        unseen.append(metrics(account(parts.test, traded(agents, parts.test, eyes), cost=0.001)).sharpe)
+    assert np.min(unseen) > 0.5
+    assert np.mean(unseen) > 1.3
 
 
 def test_on_the_rubber_band_a_long_window_learns_its_training_by_heart_and_nothing_else():

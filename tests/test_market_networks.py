@@ -1,7 +1,7 @@
 """What networks reach on the market: more than a table of three moves where a pattern is, nothing where none is.
 
-Everything is as in homework 3: two times 8 networks, long and short, collect 8,000 transitions, learn in ten stages of
-150 steps, and go back to the stage that was best on the validation days.
+Nearly as in homework 3: two times 8 networks, long and short, collect 8,000 transitions, learn in ten stages of 150
+steps (batches of 64 at a rate of 0.001 here), and go back to the stage that was best on the validation days.
 """
 
 from functools import cache

@@ -2,19 +2,15 @@
 
     python tests/benchmarks/market.py
 
-All act at random along the same closes and begin again at their end. `SideEnv`, stepped, shows states of the last 8
-moves (Discrete) or the moves themselves (Box), and gives its whole `info`; gym-anytrading shows the last 8 prices and
-their changes. Both are given actions drawn beforehand, for which the targets are meant, and then draw each of them by
-`action_space.sample()`, as gym-anytrading's page does. The compiled walk is `coin_tossers`, which draws its actions
-itself. `QAgent.train` at epsilon 1 walks, too: it draws two numbers a step, and learns from every step.
+All act at random along the same closes and begin again at their end. `SideEnv` shows states of the last 8 moves
+(Discrete) or the moves themselves (Box), and its whole `info`; gym-anytrading the last 8 prices and their changes. Both
+are given actions drawn beforehand, for which the targets are meant, and then draw each by `action_space.sample()`. The
+compiled walk is `coin_tossers`, which draws its actions itself. `QAgent.train` at epsilon 1 also learns from each step.
 
 What differs: gym-anytrading pays the change of the price, in money and without a fee, when a position is closed and
-nothing before; fees are in `total_profit` alone, and not even there before the end of a trade. An action is carried out
-at the next close, and "short" earns nothing. So without fees its `total_profit` is what `SideEnv` makes of 1 long,
-filled at the next close: that is checked before time is taken. Its prices are float32.
-
-Then come what a learner waits for, 50 passes over 3,000 bars, and 20 networks of one side, or of two in a thread of
-Python each. `DQNAgent` itself keeps torch at one thread.
+nothing before; fees are in `total_profit` alone. An action is carried out at the next close, and "short" earns nothing.
+So without fees its `total_profit` is what `SideEnv` makes of 1 long, filled at the next close: that is checked before
+time is taken. Then come 50 passes over 3,000 bars, and 20 networks of one side, or of two in a thread each.
 """
 
 import threading

@@ -134,8 +134,8 @@ passes_forward = Check(
         "takes a layer for something else: each is a pair, `for weights, biases in layers`.",
         **MISTAKES_WITH_ARRAYS,
         "matmul: Input operand|mat1 and mat2|not aligned|not be broadcast|must match the size": "shapes do not fit: "
-        "the rows of `weights` are the inputs of its layer, `x @ weights + biases`. (A `Linear` layer of torch keeps them "
-        "the other way round.)",
+        "the rows of `weights` are the inputs of its layer, `x @ weights + biases`. (A `Linear` layer of torch keeps "
+        "them the other way round.)",
     },
     hints=[
         "One layer is `x @ weights + biases`: B rows with n numbers become B rows with m numbers.",

@@ -1,9 +1,9 @@
-"""Asks for the whole and the half, and compares lengths."""
+"""Cuts the closes everywhere, but compares lengths."""
 
 CHECK = "finds_the_leak"
-SAYS = "of the 89 places at which the future can begin"
+SAYS = "your function had it before its eyes"
 
 
 def looks_ahead(encode, close):
-    half = len(close) // 2
-    return len(encode(close)[:half]) != len(encode(close[:half]))
+    states = encode(close)
+    return any(len(states[:t]) != len(encode(close[:t])) for t in range(1, len(close)))

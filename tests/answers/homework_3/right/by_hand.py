@@ -46,8 +46,9 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
             order = rng.permutation(len(actions))
         batch, order = order[:64], order[64:]
         there = next_observations[batch]
-        y = targets(rewards[batch], terminated[batch], next_possible[batch], q_values(there, layers),
-                    q_values(there, old), 0.9)
+        y = targets(
+            rewards[batch], terminated[batch], next_possible[batch], q_values(there, layers), q_values(there, old), 0.9
+        )
         values, inputs = forward(observations[batch], layers)
         error = np.zeros_like(values)
         taken = np.arange(64), actions[batch]

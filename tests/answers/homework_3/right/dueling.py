@@ -75,8 +75,12 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     x = torch.as_tensor(observations, dtype=torch.float32)
     there = torch.as_tensor(next_observations, dtype=torch.float32)
     data = torch.utils.data.TensorDataset(
-        x, torch.as_tensor(actions), torch.as_tensor(rewards, dtype=torch.float32), there,
-        torch.as_tensor(next_possible), torch.as_tensor(terminated),
+        x,
+        torch.as_tensor(actions),
+        torch.as_tensor(rewards, dtype=torch.float32),
+        there,
+        torch.as_tensor(next_possible),
+        torch.as_tensor(terminated),
     )
     for step in range(steps):
         s, a, r, s2, possible, over = data[torch.randint(len(data), (64,))]

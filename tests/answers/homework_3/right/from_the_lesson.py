@@ -35,9 +35,7 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     inputs, outputs = observations.shape[1], next_possible.shape[1]
-    network = nn.Sequential(
-        nn.Linear(inputs, 32), nn.ReLU(), nn.Linear(32, 32), nn.ReLU(), nn.Linear(32, outputs)
-    )
+    network = nn.Sequential(nn.Linear(inputs, 32), nn.ReLU(), nn.Linear(32, 32), nn.ReLU(), nn.Linear(32, outputs))
     target = copy.deepcopy(network)
     optimizer = torch.optim.Adam(network.parameters(), lr=0.001)
     observations = torch.tensor(observations, dtype=torch.float32)

@@ -43,7 +43,10 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
         "goes_on": torch.from_numpy(~terminated).float(),
     }
     make = lambda: torch.nn.Sequential(
-        torch.nn.Linear(observations.shape[1], 48), torch.nn.ReLU(), torch.nn.Linear(48, 48), torch.nn.ReLU(),
+        torch.nn.Linear(observations.shape[1], 48),
+        torch.nn.ReLU(),
+        torch.nn.Linear(48, 48),
+        torch.nn.ReLU(),
         torch.nn.Linear(48, A),
     )
     network, target = make(), make()

@@ -72,8 +72,14 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     for step in range(1, steps + 1):
         batch = chance.sample(range(len(actions)), 64)
         online, there = network(next_x[batch]).tolist(), target(next_x[batch]).tolist()
-        y = targets([rewards[i] for i in batch], [terminated[i] for i in batch], [next_possible[i] for i in batch],
-                    online, there, 0.9)
+        y = targets(
+            [rewards[i] for i in batch],
+            [terminated[i] for i in batch],
+            [next_possible[i] for i in batch],
+            online,
+            there,
+            0.9,
+        )
         values = network(x[batch])
         taken = values[list(range(64)), [actions[i] for i in batch]]
         loss = torch.nn.functional.smooth_l1_loss(taken, torch.tensor(y, dtype=torch.float32))

@@ -35,8 +35,13 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     networks = []
     for _ in range(2):
         networks.append(
-            make(torch.nn.Linear(shape[0], 32), torch.nn.ReLU(), torch.nn.Linear(32, 32), torch.nn.ReLU(),
-                 torch.nn.Linear(32, shape[1]))
+            make(
+                torch.nn.Linear(shape[0], 32),
+                torch.nn.ReLU(),
+                torch.nn.Linear(32, 32),
+                torch.nn.ReLU(),
+                torch.nn.Linear(32, shape[1]),
+            )
         )
     online, target = networks
     target.load_state_dict(online.state_dict())

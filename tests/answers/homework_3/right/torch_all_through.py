@@ -50,8 +50,12 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
         batch = torch.randperm(len(x), generator=generator)[:64]
         with torch.no_grad():
             y = targets(
-                rewards[batch], terminated[batch], next_possible[batch],
-                forward(parameters, next_x[batch]), forward(old, next_x[batch]), 0.9,
+                rewards[batch],
+                terminated[batch],
+                next_possible[batch],
+                forward(parameters, next_x[batch]),
+                forward(old, next_x[batch]),
+                0.9,
             )
         chosen = F.one_hot(torch.tensor(actions)[batch], sizes[-1])
         loss = F.mse_loss((forward(parameters, x[batch]) * chosen).sum(dim=1), torch.tensor(y).float())

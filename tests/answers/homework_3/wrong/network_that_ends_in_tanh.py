@@ -14,8 +14,12 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     network = nn.Sequential(
-        nn.Linear(observations.shape[1], 32), nn.ReLU(), nn.Linear(32, 32), nn.ReLU(),
-        nn.Linear(32, next_possible.shape[1]), nn.Tanh(),
+        nn.Linear(observations.shape[1], 32),
+        nn.ReLU(),
+        nn.Linear(32, 32),
+        nn.ReLU(),
+        nn.Linear(32, next_possible.shape[1]),
+        nn.Tanh(),
     )
     target = copy.deepcopy(network)
     optimizer = torch.optim.Adam(network.parameters(), lr=0.002)

@@ -14,7 +14,10 @@ def learn(observations, actions, rewards, next_observations, next_possible, term
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
     network = nn.Sequential(
-        nn.Linear(observations.shape[1], 32), nn.ReLU(), nn.Linear(32, 32), nn.ReLU(),
+        nn.Linear(observations.shape[1], 32),
+        nn.ReLU(),
+        nn.Linear(32, 32),
+        nn.ReLU(),
         nn.Linear(32, next_possible.shape[1]),
     )
     target = copy.deepcopy(network)

@@ -13,7 +13,10 @@ SAYS = "does not decide all of the chance"
 def learn(observations, actions, rewards, next_observations, next_possible, terminated, steps, copy_every, seed):
     rng = np.random.default_rng()
     network = nn.Sequential(
-        nn.Linear(observations.shape[1], 32), nn.ReLU(), nn.Linear(32, 32), nn.ReLU(),
+        nn.Linear(observations.shape[1], 32),
+        nn.ReLU(),
+        nn.Linear(32, 32),
+        nn.ReLU(),
         nn.Linear(32, next_possible.shape[1]),
     )
     target = copy.deepcopy(network)

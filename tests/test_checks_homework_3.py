@@ -110,6 +110,35 @@ def test_each_mistake_meets_its_own_words(name, i):
         assert "check itself" not in repr(verdict)
 
 
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    ("mistake", "words"),
+    [
+        (task_5._best_of_all_first, "go through the stages one by one"),
+        (task_5._best_of_all_first_and_no_end, "go through the stages one by one"),
+        (task_5._falls_in_a_row, "counts falls in a row"),
+        (task_5._never_stops, "never stops before the last stage"),
+    ],
+)
+def test_mistakes_about_the_stop_are_not_taken_for_one_another(mistake, words, seed):
+    rows = homework_3.stops_by_validation(mistake, seed=seed).rows
+    likely = [row.likely for row in rows if row.outcome is Outcome.NOT_YET]
+    assert likely
+    assert all(words in each for each in likely), likely
+
+
+@pytest.mark.parametrize("gamma", [0.9, 0.95])
+def test_a_gamma_of_its_own_is_named_wherever_it_is_wrong(gamma):
+    def targets(*arguments):
+        return task_3.targets(*arguments[:-1], gamma)
+
+    for seed in range(10):
+        rows = homework_3.aims_at_possible_actions(targets, seed=seed).rows
+        likely = [row.likely for row in rows if row.outcome is Outcome.NOT_YET]
+        assert len(likely) == 3
+        assert all(f"a number of its own, {gamma}:" in words for words in likely)
+
+
 def test_words_for_a_mistake_read_well():
     for name, mistakes in MISTAKES.items():
         for _, words in mistakes:

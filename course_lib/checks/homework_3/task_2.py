@@ -132,6 +132,8 @@ passes_forward = Check(
     likely={
         "values to unpack|(tuple|list) index out of range": "your function expects a certain number of layers, or "
         "takes a layer for something else: each is a pair, `for weights, biases in layers`.",
+        "not have enough dimensions": "numbers are lost between the layers. `np.max(x, 0)` takes the largest of each "
+        "column; ReLU is `np.maximum(x, 0)`, which compares each number with 0.",
         **MISTAKES_WITH_ARRAYS,
         "matmul: Input operand|mat1 and mat2|not aligned|not be broadcast|must match the size": "shapes do not fit: "
         "the rows of `weights` are the inputs of its layer, `x @ weights + biases`. (A `Linear` layer of torch keeps "

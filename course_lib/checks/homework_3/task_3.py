@@ -1,6 +1,6 @@
 """Task 3, what the network is trained towards: double deep Q-learning's targets, from possible actions alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,7 +47,10 @@ def chosen(values, actions):
     return values[np.arange(len(values)), actions]
 
 
-_MASK = "impossible actions are among those that the best one is chosen from: `np.where(next_possible, q, -np.inf)`."
+_MASK = (
+    "impossible actions are among those that the best one is chosen from: "
+    "`np.where(next_possible, next_online, -np.inf)`."
+)
 _PLAIN = "your target is not a double one: the online network chooses the action, the target network says its value."
 _ONE_FOR_ALL = "the best action is looked for once for the whole batch: each row has its own, `argmax(axis=1)`."
 
@@ -80,12 +83,18 @@ _MISTAKES = [
         lambda b: np.where(b.terminated, 0, b.rewards + b.gamma * b.after),
         "your target is 0 where `terminated` is true: the last reward still counts.",
     ),
-    (lambda b: b.rewards + np.where(b.terminated, 0, b.after), "gamma is missing: r + gamma · q′."),
+    (
+        lambda b: b.rewards + np.where(b.terminated, 0, b.after),
+        "gamma is missing: r + gamma · the value of the next state.",
+    ),
     (
         lambda b: b.gamma * (b.rewards + np.where(b.terminated, 0, b.after)),
-        "gamma multiplies the reward as well: r + gamma · q′.",
+        "gamma multiplies the reward as well: r + gamma · the value of the next state.",
     ),
-    (lambda b: np.where(b.terminated, 0, b.gamma * b.after), "the reward is missing: r + gamma · q′."),
+    (
+        lambda b: np.where(b.terminated, 0, b.gamma * b.after),
+        "the reward is missing: r + gamma · the value of the next state.",
+    ),
     (lambda b: b.aim(b.target[:, b.masked(b.online).max(axis=0).argmax()]), _ONE_FOR_ALL),
     (lambda b: b.aim(b.target[:, b.masked(b.online).mean(axis=0).argmax()]), _ONE_FOR_ALL),
     (lambda b: b.aim(b.masked(b.target).max()), _ONE_FOR_ALL),
@@ -97,6 +106,13 @@ _MISTAKES = [
         lambda b: b.aim(chosen(b.target, np.where(b.possible, -np.inf, b.online).argmax(axis=1))),
         "the mask is used the wrong way round: an action is possible where `next_possible` is true.",
     ),
+    *[
+        (
+            lambda b, gamma=gamma: replace(b, gamma=gamma).aim(b.after),
+            f"your gamma is a number of its own, {gamma}: use the argument `gamma`.",
+        )
+        for gamma in (0.5, 0.8, 0.9, 0.95, 0.98, 0.99)
+    ],
 ]
 
 
@@ -170,7 +186,7 @@ aims_at_possible_actions = Check(
     trials=[
         Trial(
             "batches without an end, every action possible",
-            "r + gamma · q′ of the action that looks best to q",
+            "r + gamma · `next_target` of the action that looks best in `next_online`",
             _aims_with_both_networks,
         ),
         Trial("batches in which steps have terminated", "r alone at these steps", _stops_at_the_end),

@@ -14,11 +14,13 @@ from course_lib.checks.homework_3.training import shown, trained
 _NEVER = 10_000  # a `copy_every` that is longer than any training here
 _CLOSE, _CLOSE_AHEAD = 0.3, 0.25  # mean errors, of rewards that are about 1 in size and of values that lie ahead
 _FIRST_THINGS_FIRST = (
-    "your network does not even learn the reward of a single step: begin with the first row of this table."
+    "your network does not even learn the reward of a single step, which is what the first check looks at: mend the "
+    "first check first."
 )
+_ZERO_GRAD = "Is `optimizer.zero_grad()` missing? Without it the gradients of all steps add up."
 _TOO_SLOW = (
-    "your network learns, but too little in so many steps. Adam with a learning rate of 0.001 to 0.003 is quick enough "
-    "here, and every step needs a gradient step."
+    f"your network learns too little in so many steps. {_ZERO_GRAD} Does each step take one `optimizer.step()`? And is "
+    "the learning rate of Adam 0.001 to 0.003?"
 )
 
 
@@ -80,7 +82,7 @@ def _why_not_learned(call, memory, values, seed):
         )
     if np.corrcoef((values - first).ravel(), (exact - first).ravel())[0, 1] > 0.4:
         return _TOO_SLOW
-    return "your network learns something else than the rewards of the actions taken."
+    return f"your network learns something else than the rewards of the actions taken. {_ZERO_GRAD}"
 
 
 def _learns_what_lies_ahead(call, seed):
@@ -111,7 +113,7 @@ def _why_not_ahead(go_on, leave, exact, _):
     if go_on[:-2].mean() < exact[:-2].mean() / 2:
         return (
             "the reward does not travel back. Is the target network made anew from the network every `copy_every` "
-            "steps, and is gamma · q′(s′) added to the reward?"
+            "steps, and is gamma · the value of the next state added to the reward?"
         )
     return "your targets are others than those of task 3, or the target network is copied too seldom."
 
@@ -149,9 +151,29 @@ def _holds_its_target_still(call, seed):
     if apart > 0.6 * np.mean(exact_good[:-1] - exact_bad[:-1]):
         raise NotYet(
             f"in the states before the last ones, going on is worth {apart:.2f} more in the chain with the good end",
-            "your target network learns along, though no copy is due yet. `target = network` is a second name for the "
-            "same network: `copy.deepcopy(network)` makes another one.",
+            "your targets learn along, though no copy is due yet. Either `target = network` is a second name for the "
+            "same network: `copy.deepcopy(network)` makes another one. Or the value of the next state comes from the "
+            "network itself: it only chooses, `target(next_x)` says what its choice is worth.",
             map_,
+        )
+    _still_holds_it_after_a_copy(call, seed)
+
+
+def _still_holds_it_after_a_copy(call, seed):
+    """One copy, in the middle: the ends are known two links away, and not beyond."""
+    memory = chains(seed + 2, [2.0, -2.0], loss=-3.0)
+    values = trained(call, memory, steps=340, copy_every=180, seed=seed)
+    good, bad = values[:, 0].reshape(2, -1)
+    exact_good, exact_bad = memory.exact[:, 0].reshape(2, -1)
+    apart = np.mean(good[:-2] - bad[:-2])  # about 0 with a copy, below 0.45 of what is exact where it follows softly
+    if apart > 0.6 * np.mean(exact_good[:-2] - exact_bad[:-2]):
+        raise NotYet(
+            f"after 340 steps, with `copy_every = 180`, five states a chain: going on is worth {apart:.2f} more in the "
+            "good one's first three, which cannot know yet",
+            "your target network holds still until its first copy, and learns along from then on. `target = network` "
+            "makes a second name, no copy: use `target.load_state_dict(network.state_dict())` or "
+            "`target = copy.deepcopy(network)`. (Or is it copied more often than every `copy_every` steps?)",
+            shown(memory, values, range(10), ["go on", "leave"]),
         )
 
 

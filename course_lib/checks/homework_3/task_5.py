@@ -28,6 +28,15 @@ def _best_of_all(validation, patience):
     return best_moment(validation, patience)[0], validation.argmax()
 
 
+def _best_of_all_first(validation, patience):
+    best = validation.argmax()
+    return min(best + patience, len(validation) - 1), best
+
+
+def _best_of_all_first_and_no_end(validation, patience):
+    return validation.argmax() + patience, validation.argmax()
+
+
 def _never_stops(validation, _):
     return len(validation) - 1, validation.argmax()
 
@@ -129,6 +138,10 @@ def _begins_with_0(first):
 
 
 _AGE = "your patience ends one stage too {}: stop at the first stage with `stage - best >= patience`."
+_ALL_FIRST = (
+    "your function looks for the best of all scores first, and adds `patience`. The best of all scores is not known "
+    "yet when the training stops: go through the stages one by one."
+)
 _EQUALS = "of equal scores you keep the last one: a score is better only if it is higher, `>`."
 _FROM_0 = "your best score begins at 0. Scores may all be below that: begin with the first one, `validation[0]`."
 
@@ -138,6 +151,8 @@ _MISTAKES = [
         _pair(_best_of_all),
         "your best stage comes from all scores. Those after the stop were never made: look at the ones up to then.",
     ),
+    (_pair(_best_of_all_first), _ALL_FIRST),
+    (_pair(_best_of_all_first_and_no_end), _ALL_FIRST),
     (_pair(_last), "your function keeps the stage at which training stopped: keep the best one up to then."),
     (_pair(_never_stops), "your training never stops before the last stage: look at the age of the best at each one."),
     (_pair(_one_stage_later), _AGE.format("late")),
@@ -178,13 +193,23 @@ def _shown(validation, width=10):
     return "\n".join(lines)
 
 
+_USUAL = (_best_of_all_first, _falls_in_a_row, _never_stops)  # each is to be told by its own words
+
+
 def _drawn(draw, unlike):
-    """A case that `draw()` gives, drawn again until none of these mistakes would pass."""
+    """A case that `draw()` gives, drawn again until none of these mistakes would pass, and no two usual ones agree."""
     while True:
         validation, patience = draw()
         right = tuple(best_moment(validation, patience))
-        if all(tuple(mistake(validation, patience)) != right for mistake in unlike):
+        usual = [tuple(mistake(validation, patience)) for mistake in _USUAL]
+        wrong = [pair for pair in usual if pair != right]
+        if len(set(wrong)) == len(wrong) and all(tuple(mistake(validation, patience)) != right for mistake in unlike):
             return _case(validation, patience)
+
+
+def _falls(rng, highest, size):
+    """Scores float[size] that fall all the way: whoever waits for falls stops among them, and not at the last stage."""
+    return highest - np.cumsum(rng.uniform(0.15, 0.3, size=size))
 
 
 def _check(call, cases, names=()):
@@ -207,7 +232,7 @@ def _does_not_look_beyond_the_stop(call, seed):
 
     def second_hill():
         first, second = (np.sort(rng.uniform(low, low + 1, size=9)) for low in (0.2, 1.3))
-        return np.concatenate([first[:3], first[3:][::-1], second]), int(rng.integers(2, 5))
+        return np.concatenate([first[:3], first[3:][::-1], second, _falls(rng, 1.2, 6)]), int(rng.integers(2, 5))
 
     _check(call, [_drawn(second_hill, [_best_of_all, _never_stops]) for _ in range(4)])
 
@@ -216,9 +241,8 @@ def _counts_the_age_of_the_best(call, seed):
     rng = np.random.default_rng(seed + 20)
 
     def up_and_down():
-        falls_in_the_end = np.sort(rng.uniform(0.0, 1.0, size=7))[::-1]
         scores = rng.uniform(0.0, 1.0, size=16) + 0.03 * np.arange(16)
-        return np.concatenate([scores, falls_in_the_end]), int(rng.integers(2, 5))
+        return np.concatenate([scores, _falls(rng, 1.0, 7)]), int(rng.integers(2, 5))
 
     _check(call, [_drawn(up_and_down, [_falls_in_a_row, _never_begins_again, _last]) for _ in range(6)])
 
@@ -227,7 +251,8 @@ def _takes_negative_scores(call, seed):
     rng = np.random.default_rng(seed + 30)
 
     def losses():
-        return rng.uniform(-3.0, -0.5, size=15) + 0.05 * np.arange(15), int(rng.integers(3, 6))
+        scores = rng.uniform(-3.0, -0.5, size=15) + 0.05 * np.arange(15)
+        return np.concatenate([scores, _falls(rng, -3.0, 8)]), int(rng.integers(3, 6))
 
     def stops_as_if_it_began_with_0(validation, patience):
         return _begins_with_0(0)(validation, patience)[0], best_moment(validation, patience)[1]
@@ -239,7 +264,8 @@ def _keeps_the_first_of_equals(call, seed):
     rng = np.random.default_rng(seed + 40)
 
     def with_equals():
-        return np.round(rng.uniform(0.0, 1.0, size=15), 1), int(rng.integers(2, 5))
+        scores = rng.uniform(0.0, 1.0, size=15)
+        return np.round(np.concatenate([scores, _falls(rng, 0.0, 6)]), 1), int(rng.integers(2, 5))
 
     _check(call, [_drawn(with_equals, [_last_of_equals, _last_of_equals_at_the_end]) for _ in range(4)])
 

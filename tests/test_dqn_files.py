@@ -275,7 +275,7 @@ def test_a_file_that_says_it_holds_more_than_it_does_is_refused(saved, kind):
 
 WRONG = [None, -1, 2.5, float("nan"), float("inf"), 10**30, "x", [], [[]], {}, {"a": 1}, [-1], [2.5], ["x"]]
 FITTING = {  # what can be meant, and sizes, which come below
-    "seed": [10**30], "learning_rate": [2.5, 10**30],
+    "seed": [10**30], "learning_rate": [2.5, 10**30], "learning_starts": [None, 10**30],
     "double": WRONG[1:], "mask_terminal": WRONG[1:], "mask_actions": WRONG, "replay": [10**30], "batch_size": [10**30],
 }  # fmt: skip
 
@@ -283,7 +283,7 @@ FITTING = {  # what can be meant, and sizes, which come below
 def test_a_setting_that_is_missing_or_cannot_be_meant_is_refused(maze_saved):
     content = maze_saved.read_bytes()
     names = load_arrays(maze_saved, kind="DQNAgent")[1]["agent"].keys()
-    assert len(names) == 12
+    assert len(names) == 13
     for name in names:
         for value in WRONG:
             if value not in FITTING.get(name, []):

@@ -44,8 +44,7 @@ TARGETS = {DISCRETE: "above 1", BOX: "above 1", COIN_TOSSERS: "500 or more"}
 LEARNING = {"gamma": 0.95, "alpha": 1.0, "alpha_power": 0.6, "epsilon": 1.0, "mask_actions": True}
 EPISODE = 250  # bars, when learning
 COMPILED, PLAIN, SB3 = "QAgent, compiled", "QAgent, stepping SideEnv", "Stable-Baselines3's DQN"
-NETWORKS, BATCHES = 20, (128, 256)
-NETWORK = {"gamma": 0.95, "learning_rate": 1e-3}
+NETWORKS, BATCHES, NETWORK = 20, (128, 256), {"gamma": 0.95, "learning_rate": 1e-3}
 
 
 class Stepped(SideEnv):

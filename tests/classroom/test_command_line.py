@@ -83,8 +83,9 @@ def test_a_class_from_the_first_command_to_the_last(course, release, capsys, tmp
 
 def test_a_new_class_has_the_courses_homework(nbgrader, capsys, tmp_path):  # noqa: ARG001 (it decides whether to skip)
     code, printed, _ = said(capsys, "new", tmp_path / "class")
-    assert (code, printed) == (0, f"made {tmp_path / 'class'} with homework_1\n")
-    assert (tmp_path / "class" / "source" / "homework_1" / "04_homework_1.ipynb").is_file()
+    assert (code, printed) == (0, f"made {tmp_path / 'class'} with homework_1, homework_2, homework_3\n")
+    for name in ("homework_1/04_homework_1", "homework_2/05_homework_2", "homework_3/07_homework_3"):
+        assert (tmp_path / "class" / "source" / f"{name}.ipynb").is_file()
 
 
 @pytest.mark.parametrize(

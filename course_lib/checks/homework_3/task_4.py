@@ -87,7 +87,7 @@ def _why_not_learned(call, memory, values, seed):
 
 def _learns_what_lies_ahead(call, seed):
     memory = chains(seed, [2.0], loss=-0.5)
-    values = trained(call, memory, steps=221, copy_every=20, seed=seed)  # a copy just before the end
+    values = trained(call, memory, steps=301, copy_every=20, seed=seed)  # a copy just before the end
     errors = abs(values - memory.exact).mean(axis=0)
     if errors.max() < _CLOSE_AHEAD:
         call.kept["looks ahead"] = True
@@ -216,7 +216,7 @@ learns_with_a_target_that_holds_still = Check(
         ),
         Trial(
             "a chain of five states with a reward at the end, a copy every 20 steps",
-            "after 221 steps the values are 2 · gamma to the power of the steps that lie between",
+            "after 301 steps the values are 2 · gamma to the power of the steps that lie between",
             _learns_what_lies_ahead,
         ),
         Trial(

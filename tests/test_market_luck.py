@@ -45,6 +45,7 @@ def test_compiled_it_is_the_same_loop_wherever_it_begins():
     assert len(set(made)) > 290
 
 
+@pytest.mark.filterwarnings("ignore:split or crash")
 def test_ruin_ends_it():
     close = np.tile([100.0, 101.0], 300)
     close[540::2] = 250.0  # a short loses more than all

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from course_lib.market.parts import as_part
-from course_lib.market.prices import PriceDataError
+from course_lib.market.prices import PriceDataError, as_price_errors
 from course_lib.validate import number
 
 FILLS = ("close", "next_open", "next_close")
@@ -99,10 +99,8 @@ def account(part, positions, *, cost=0.0005, fill=None, growth=None):
 
 
 def checked_cost(cost):
-    try:
+    with as_price_errors():
         value = number("cost", cost)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
     if not 0 <= value <= 0.2:
         raise PriceDataError(
             f"cost is a fraction of the money a leg, from 0 to 0.2 (0.0005 are 5 basis points), got {cost!r}"

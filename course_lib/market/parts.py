@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from course_lib.market.prices import PriceDataError, check_prices
+from course_lib.market.prices import PriceDataError, as_price_errors, check_prices
 from course_lib.validate import number, whole_number
 
 
@@ -27,10 +27,8 @@ class Part:
     def __post_init__(self):
         if self.name not in ("training", "validation", "test"):
             raise PriceDataError(f"a part is called training, validation or test, got {self.name!r}")
-        try:
+        with as_price_errors(f"; there are {len(self.prices)} bars, and a part needs 2"):
             whole_number("first", self.first, below=max(len(self.prices) - 1, 1))
-        except ValueError as error:
-            raise PriceDataError(f"{error}; there are {len(self.prices)} bars, and a part needs 2") from None
 
     @property
     def close(self):
@@ -128,10 +126,8 @@ def walk_forward(prices, training, test, *, warmup=60):
 
 
 def _bars(name, value, at_least=2):
-    try:
+    with as_price_errors():
         return whole_number(name, value, at_least=at_least)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
 
 
 def as_part(prices, encoder=None, name="training"):

@@ -1,6 +1,7 @@
 """Prices, real or from a learner's own file, and all that can be wrong with them."""
 
 import warnings
+from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,15 @@ _LARGE_MOVE = 0.4  # of the log price in one bar: a split that nobody adjusted f
 
 class PriceDataError(ValueError):
     """Something about prices, or what is to be done with them, that must not pass: what, where, and the remedy."""
+
+
+@contextmanager
+def as_price_errors(more=""):
+    """What `course_lib.validate` refuses in this block is a `PriceDataError`, with `more` after its words."""
+    try:
+        yield
+    except ValueError as error:
+        raise PriceDataError(f"{error}{more}") from None
 
 
 def real_prices(symbol):

@@ -9,7 +9,7 @@ from gymnasium.spaces import Box, Discrete
 from course_lib.market.accounting import RUIN, growth_in
 from course_lib.market.chain import CLOSE, HOLD, OPEN
 from course_lib.market.parts import as_part
-from course_lib.market.prices import PriceDataError
+from course_lib.market.prices import PriceDataError, as_price_errors
 from course_lib.market.synthetic import checked_side
 from course_lib.mdp import MDP
 from course_lib.validate import number, whole_number
@@ -33,13 +33,11 @@ class Tape:
         self.part, self.dates = part, part.dates
         self.bars = len(part)
         longest = self.bars - 1
-        try:
+        with as_price_errors(f"; the part has {self.bars} bars"):
             self.length = whole_number(
                 "episode_length", longest if episode_length is None else episode_length, at_least=1, below=longest + 1
             )
             self.unit = number("reward_unit", reward_unit)
-        except ValueError as error:
-            raise PriceDataError(f"{error}; the part has {self.bars} bars") from None
         if self.unit <= 0:
             raise PriceDataError(f"reward_unit must be positive, got {reward_unit!r}")
         self.starts = self.bars - self.length

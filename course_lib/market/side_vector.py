@@ -9,7 +9,7 @@ from gymnasium.vector.utils import batch_space
 
 from course_lib.market.accounting import RUIN
 from course_lib.market.chain import CLOSE, HOLD
-from course_lib.market.prices import PriceDataError
+from course_lib.market.prices import as_price_errors
 from course_lib.market.side import POSSIBLE, Tape
 from course_lib.validate import whole_number
 
@@ -27,10 +27,8 @@ class SideVectorEnv(VectorEnv):
         self, prices, encoder, *, side, num_envs, cost=0.0005, fill=None, episode_length=None, reward_unit=1.0
     ):
         self.tape = Tape(prices, encoder, side, cost, fill, episode_length, reward_unit)
-        try:
+        with as_price_errors():
             self.num_envs = whole_number("num_envs", num_envs, at_least=1)
-        except ValueError as error:
-            raise PriceDataError(str(error)) from None
         self.single_observation_space, self.single_action_space = self.tape.space, Discrete(3)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)

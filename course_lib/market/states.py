@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
-from course_lib.market.prices import PriceDataError
+from course_lib.market.prices import PriceDataError, as_price_errors
 from course_lib.validate import number, whole_number
 
 
@@ -248,17 +248,13 @@ def _checked(close, at_least=1):
 
 
 def _size(name, value, *, at_least, at_most):
-    try:
+    with as_price_errors():
         return whole_number(name, value, at_least=at_least, below=at_most + 1)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
 
 
 def _not_negative(name, value):
-    try:
+    with as_price_errors():
         result = number(name, value)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
     if result < 0:
         raise PriceDataError(f"{name} must not be negative, got {value!r}")
     return result

@@ -7,7 +7,7 @@ import pandas as pd
 
 from course_lib.market.accounting import checked_cost
 from course_lib.market.chain import Chain, expected_growth, side_mdp
-from course_lib.market.prices import PriceDataError
+from course_lib.market.prices import PriceDataError, as_price_errors
 from course_lib.validate import number, whole_number
 
 _FIRST_PRICE, _FIRST_DAY = 100.0, "2000-01-03"
@@ -284,17 +284,13 @@ def checked_side(side):
 
 
 def _whole(name, value):
-    try:
+    with as_price_errors():
         return whole_number(name, value, at_least=2)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
 
 
 def _in_range(name, value, most):
-    try:
+    with as_price_errors():
         result = number(name, value)
-    except ValueError as error:
-        raise PriceDataError(str(error)) from None
     if not 0 < result <= most:
         raise PriceDataError(f"{name} must be above 0 and at most {most:g}, got {value!r}")
     return result

@@ -117,6 +117,11 @@ class Maze(gymnasium.Env):
         """The (row, column) of a state."""
         return divmod(whole_number("state", state, below=self.grid.size), self.columns)
 
+    def cell_ahead(self, state, action):
+        """The cell beside `state` in the direction of `action`, wall or not; at the edge `state` itself."""
+        state = whole_number("state", state, below=self.grid.size)
+        return int(self._cell_ahead[state, whole_number("action", action, below=len(Action))])
+
     def reset(self, *, seed=None, options=None):  # noqa: ARG002 (Gymnasium's signature)
         super().reset(seed=seed)
         self._state = self.start

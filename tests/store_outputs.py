@@ -11,6 +11,7 @@ import nbformat
 from nbclient import NotebookClient
 
 _KEPT = ("nbgrader", "tags", "deletable", "editable")
+_WIDGET = "application/vnd.jupyter.widget-view+json"
 NOTEBOOKS = Path(__file__).resolve().parent.parent / "notebooks"
 
 
@@ -21,6 +22,8 @@ def tidy(notebook):
     notebook.metadata = {"kernelspec": kernel, "language_info": {"name": "python"}, **course}
     for cell in notebook.cells:
         cell.metadata = {key: value for key, value in cell.metadata.items() if key in _KEPT}
+        for output in cell.get("outputs", []):
+            output.get("data", {}).pop(_WIDGET, None)  # it lives in a kernel; what is stored is its still picture
     return notebook
 
 

@@ -1,0 +1,122 @@
+"""Lines, bands and bars over two axes, as SVG."""
+
+import math
+
+import numpy as np
+
+from course_lib.explore.sketch import WIDTH, Sketch
+from course_lib.plots.picture import FAINT, INK, PALETTE
+
+DASHES = (None, "8 4", "2 3", "9 3 2 3", "14 4", "1 4")  # one for each colour of PALETTE
+_LEFT, _RIGHT, _HEAD, _FOOT = 46, 8, 30, 40
+_LINE = 18  # a line of the legend
+
+
+class Chart:
+    """Axes under construction. x and y are (lowest, highest); a `log` axis upwards wants positive numbers.
+
+    legend: how many lines of it there is room for, below.
+    """
+
+    def __init__(self, title, *, x, y, xlabel, ylabel, height=200, log=False, legend=0, width=WIDTH):
+        self.x, self.y, self.log, self._legend = x, y, log, 0
+        self.bottom = _HEAD + 16 + height
+        self.sketch = Sketch(self.bottom + _FOOT + legend * _LINE + 4, width)
+        self.right, self.top = width - _RIGHT, _HEAD + 16
+        self.sketch.text(6, 14, title, size=15, anchor="start", font_weight="600")
+        self.sketch.text(6, 35, ylabel, size=12, anchor="start")
+        self.sketch.text((_LEFT + self.right) / 2, self.bottom + 31, xlabel, size=12)
+        for tick in log_ticks(*y) if log else ticks(*y):
+            height_of = float(self.up(tick))
+            self.sketch.line([(_LEFT, height_of), (self.right, height_of)], stroke=FAINT, stroke_opacity=0.35)
+            self.sketch.text(_LEFT - 5, height_of, _label(tick), size=11.5, anchor="end")
+        for tick in ticks(*x):
+            self.sketch.text(float(self.across(tick)), self.bottom + 12, _label(tick), size=11.5)
+        self.sketch.line([(_LEFT, self.top), (_LEFT, self.bottom), (self.right, self.bottom)], stroke=INK)
+
+    def svg(self):
+        """The picture as text."""
+        return self.sketch.svg()
+
+    def across(self, x):
+        """Where numbers on the x axis stand in the picture."""
+        low, high = self.x
+        return _LEFT + (np.asarray(x, float) - low) / ((high - low) or 1) * (self.right - _LEFT)
+
+    def up(self, y):
+        """Where numbers on the y axis stand in the picture; those outside stand at its edge."""
+        low, high = self.y
+        y = np.clip(np.asarray(y, float), low, high)
+        share = np.log(y / low) / math.log(high / low) if self.log else (y - low) / ((high - low) or 1)
+        return self.bottom - share * (self.bottom - self.top)
+
+    def line(self, x, y, which=0, **look):
+        """A line in the colour and dashes number `which`."""
+        points = zip(self.across(x).tolist(), self.up(y).tolist(), strict=True)
+        look = {"stroke": PALETTE[which], "stroke_width": 2, "stroke_dasharray": DASHES[which]} | look
+        self.sketch.line(points, **look)
+
+    def band(self, x, low, high, which=0):
+        """The space between two lines."""
+        across = self.across(x).tolist()
+        there = zip(across, self.up(low).tolist(), strict=True)
+        back = zip(reversed(across), reversed(self.up(high).tolist()), strict=True)
+        self.sketch.line([*there, *back], closed=True, fill=PALETTE[which], fill_opacity=0.2)
+
+    def points(self, x, y, which=0, *, size=4, shape="circle"):
+        """Marks: a "circle", or a "square"."""
+        for px, py in zip(np.atleast_1d(self.across(x)), np.atleast_1d(self.up(y)), strict=True):
+            self._mark(float(px), float(py), which, size, shape)
+
+    def note(self, x, y, words):
+        """A few words above a point."""
+        self.sketch.text(float(self.across(x)), float(self.up(y)) - 12, words, size=11.5)
+
+    def rule(self, y, words, *, above=True):
+        """A dotted line across, with its name on the right."""
+        height = float(self.up(y))
+        self.sketch.line([(_LEFT, height), (self.right, height)], stroke=INK, stroke_dasharray="1 3")
+        self.sketch.text(self.right - 2, height + (-8 if above else 9), words, size=11.5, anchor="end")
+
+    def legend(self, words, which, *, kind="line"):
+        """One more line of the legend; kind: how it is drawn, "line", "band", "circle" or "square"."""
+        y = self.bottom + _FOOT + 10 + self._legend * _LINE
+        self._legend += 1
+        if kind in ("circle", "square"):
+            self._mark(24, y, which, 4, kind)
+        else:
+            if kind == "band":
+                self.sketch.rect(8, y - 6, 32, 12, fill=PALETTE[which], fill_opacity=0.2)
+            look = {"stroke": PALETTE[which], "stroke_width": 2.5, "stroke_dasharray": DASHES[which]}
+            self.sketch.line([(8, y), (40, y)], **look)
+        self.sketch.text(48, y, words, size=12, anchor="start")
+
+    def _mark(self, x, y, which, size, shape):
+        if shape == "circle":
+            self.sketch.circle(x, y, size, fill=PALETTE[which], stroke="#ffffff", stroke_width=0.8)
+        else:
+            self.sketch.rect(
+                x - size, y - size, 2 * size, 2 * size, fill=PALETTE[which], stroke="#ffffff", stroke_width=0.8
+            )
+
+
+def ticks(low, high, most=6):
+    """Round numbers from `low` to `high`, at most `most` or one more."""
+    if high <= low:
+        return [low]
+    rough = (high - low) / most
+    step = 10 ** math.floor(math.log10(rough))
+    step *= next(factor for factor in (1, 2, 5, 10) if factor * step >= rough * 0.999)
+    first = math.ceil(low / step - 1e-9)
+    return [round(i * step, 10) for i in range(first, math.floor(high / step + 1e-9) + 1)]
+
+
+def log_ticks(low, high):
+    """1, 2, 5, 10, 20, … from `low` to `high`, or only the powers of ten where the others would be too many."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    steps = (1, 2, 5) if len(powers) <= 4 else (1,)
+    return [s * 10.0**p for p in powers for s in steps if low * 0.999 <= s * 10.0**p <= high * 1.001]
+
+
+def _label(tick):
+    return f"{tick:,.0f}" if abs(tick) >= 1000 else f"{tick:g}"

@@ -27,7 +27,7 @@ _HOME_OF = {
     "History": "history",
     "Rollout": "history",
 }
-_MODULES = ("bellman", "dqn", "explore", "history", "market", "maze", "mdp", "plots", "q_table")
+_MODULES = ("bellman", "dqn", "explore", "history", "market", "maze", "mdp", "plots", "q_table", "study")
 
 __all__ = sorted([*_HOME_OF, *_MODULES])
 

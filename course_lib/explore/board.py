@@ -3,12 +3,13 @@
 import numpy as np
 
 from course_lib.explore.sketch import WIDTH, Sketch, shade
-from course_lib.maze import MOVES, Action, Tile
+from course_lib.maze import MOVES, Action, Maze, Tile
 from course_lib.plots.board import acting_states, best_actions, short
 from course_lib.plots.picture import BLUE, INK, ORANGE, PAPER, RED, YELLOW
 
 _MARGIN, _HEAD, _FOOT = 28, 30, 8  # left of the cells for row numbers, above for the title and columns, below
 _MOST_NUMBERS = 12  # columns up to which a cell has room for numbers
+ARROWS = {Action.UP: "↑ up", Action.DOWN: "↓ down", Action.LEFT: "← left", Action.RIGHT: "→ right"}
 OPEN, UNKNOWN = "#ececea", "#d5d5d1"
 
 
@@ -80,11 +81,7 @@ class Board:
             for a in Action:
                 down, right = (int(step) for step in MOVES[a])
                 colour, ink = shade(q[s, a], low, high)
-                corners = [
-                    (x, y),
-                    (x + (right - down) * half, y + (down - right) * half),
-                    (x + (right + down) * half, y + (down + right) * half),
-                ]
+                corners = self._wedge(s, a)
                 self.sketch.line(corners, closed=True, fill=colour, stroke=PAPER, data_cell=int(s))
                 if a in best:
                     inner = [(0.1 * x + 0.9 * cx + right, 0.1 * y + 0.9 * cy + down) for cx, cy in corners]
@@ -94,6 +91,21 @@ class Board:
                     place = (x + right * half * 0.62, y + down * half * 0.7)
                     self.sketch.text(*place, written.format(q[s, a]), size=min(11.0, self.cell / 7), colour=ink, **look)
 
+    def frame_wedge(self, state, action, colour=BLUE):
+        """A thick dashed frame around one wedge: the changed one."""
+        x, y = self.middle(state)
+        corners = [(0.1 * x + 0.9 * cx, 0.1 * y + 0.9 * cy) for cx, cy in self._wedge(state, action)]
+        self.sketch.line(corners, closed=True, fill="none", stroke="#ffffff", stroke_width=6, stroke_linejoin="round")
+        self.sketch.line(corners, closed=True, fill="none", stroke=colour, stroke_width=3, stroke_dasharray="5 3")
+
+    def tag(self, state):
+        """The state's number on a slip of paper, to be read on any colour."""
+        if self.roomy:
+            x, y = self.middle(state)
+            x, y = x - self.cell / 2 + 2, y - self.cell / 2 + 2
+            self.sketch.rect(x, y, 5 + 6.5 * len(str(state)), 13, fill=PAPER, rx=2, data_cell=int(state))
+            self.sketch.text(x + 2.5, y + 6.5, state, size=11, anchor="start")
+
     def arrows(self, q):
         """An arrow for every best action of a cell; none where all are alike, since nothing is known there."""
         for s in acting_states(self.world):
@@ -102,16 +114,16 @@ class Board:
                 for a in best:
                     self.arrow(s, a, lift=0.16 if self.roomy else 0.0)
 
-    def arrow(self, state, action, *, lift=0.0, start=0.06, length=0.28):
-        """An arrow from the middle of a cell the way the action moves; lift: lower down, in cells."""
+    def arrow(self, state, action, *, lift=0.0, aside=0.0, start=0.06, length=0.28, colour="#ffffff"):
+        """An arrow from the middle of a cell the way the action moves; lift: lower down, aside: right, in cells."""
         x, y = self.middle(state)
         down, right = (int(step) for step in MOVES[action])
-        x, y = x + right * start * self.cell, y + (lift + down * start) * self.cell
+        x, y = x + (aside + right * start) * self.cell, y + (lift + down * start) * self.cell
         shaft, head, tip = 0.025 * self.cell, 0.075 * self.cell, length * self.cell
         outline = [(0, shaft), (tip * 0.6, shaft), (tip * 0.6, head), (tip, 0)]
         outline += [(along, -across) for along, across in reversed(outline[:3])]
         corners = [(x + right * along - down * across, y + down * along + right * across) for along, across in outline]
-        self.sketch.line(corners, closed=True, fill="#ffffff", stroke=INK, stroke_width=0.9)
+        self.sketch.line(corners, closed=True, fill=colour, stroke=INK, stroke_width=0.9)
 
     def frame(self, state, colour=BLUE, dash=None):
         """A thick frame around a cell: the chosen one."""
@@ -153,6 +165,25 @@ class Board:
         x, y = self.middle(state)
         self.sketch.text(x, y + down * self.cell, words, size=size, colour=colour)
 
+    def _wedge(self, state, action):
+        """The corners of an action's wedge, the cell's middle first."""
+        x, y = self.middle(state)
+        half = self.cell / 2 - 1
+        down, right = (int(step) for step in MOVES[action])
+        return [
+            (x, y),
+            (x + (right - down) * half, y + (down - right) * half),
+            (x + (right + down) * half, y + (down + right) * half),
+        ]
+
+    def corner_note(self, state, words, *, top=False):
+        """A few words on a strip of paper in a corner of a cell, the lower right one or the upper right one."""
+        x, y = self.middle(state)
+        width, y = 5.8 * len(words) + 4, y + (-1 if top else 1) * (self.cell / 2 - 10)
+        x += self.cell / 2 - 3 - width / 2
+        self.sketch.rect(x - width / 2, y - 7, width, 14, fill=PAPER, fill_opacity=0.9, rx=2)
+        self.sketch.text(x, y, words, size=11)
+
     def _number_rows_and_columns(self):
         every = max(1, self.world.columns // 10, self.world.rows // 10)
         for column in range(0, self.world.columns, every):
@@ -165,3 +196,12 @@ def place(world, state):
     """A cell in words."""
     row, column = divmod(int(state), world.columns)
     return f"cell {int(state)} (row {row}, column {column})"
+
+
+def small_maze(maze, most=8):
+    """`maze` itself; `ValueError` for what is no `Maze`, and for one whose cells have no room for numbers and words."""
+    if not isinstance(maze, Maze):
+        raise ValueError(f"a Maze is needed, got a {type(maze).__name__}")
+    if max(maze.rows, maze.columns) > most:
+        raise ValueError(f"at most {most} rows and columns have room for numbers, got {maze.rows} x {maze.columns}")
+    return maze

@@ -5,20 +5,21 @@ import math
 import numpy as np
 
 from course_lib.explore.sketch import WIDTH, Sketch
-from course_lib.plots.picture import FAINT, INK, PALETTE
+from course_lib.plots.picture import FAINT, INK, PALETTE, PAPER
 
 DASHES = (None, "8 4", "2 3", "9 3 2 3", "14 4", "1 4")  # one for each colour of PALETTE
 _LEFT, _RIGHT, _HEAD, _FOOT = 46, 8, 30, 40
 _LINE = 18  # a line of the legend
+_SHAPES = ("circle", "square", "up", "down", "ring")
 
 
 class Chart:
     """Axes under construction. x and y are (lowest, highest); a `log` axis upwards wants positive numbers.
 
-    legend: how many lines of it there is room for, below.
+    legend: how many lines of it there is room for, below. names: {x: words} to stand below the axis for its numbers.
     """
 
-    def __init__(self, title, *, x, y, xlabel, ylabel, height=200, log=False, legend=0, width=WIDTH):
+    def __init__(self, title, *, x, y, xlabel, ylabel, height=200, log=False, legend=0, width=WIDTH, names=None):
         self.x, self.y, self.log, self._legend = x, y, log, 0
         self.bottom = _HEAD + 16 + height
         self.sketch = Sketch(self.bottom + _FOOT + legend * _LINE + 4, width)
@@ -30,8 +31,8 @@ class Chart:
             height_of = float(self.up(tick))
             self.sketch.line([(_LEFT, height_of), (self.right, height_of)], stroke=FAINT, stroke_opacity=0.35)
             self.sketch.text(_LEFT - 5, height_of, _label(tick), size=11.5, anchor="end")
-        for tick in ticks(*x):
-            self.sketch.text(float(self.across(tick)), self.bottom + 12, _label(tick), size=11.5)
+        for tick, name in (names or {tick: _label(tick) for tick in ticks(*x)}).items():
+            self.sketch.text(float(self.across(tick)), self.bottom + 12, name, size=11.5)
         self.sketch.line([(_LEFT, self.top), (_LEFT, self.bottom), (self.right, self.bottom)], stroke=INK)
 
     def svg(self):
@@ -64,13 +65,19 @@ class Chart:
         self.sketch.line([*there, *back], closed=True, fill=PALETTE[which], fill_opacity=0.2)
 
     def points(self, x, y, which=0, *, size=4, shape="circle"):
-        """Marks: a "circle", or a "square"."""
+        """Marks: a "circle", a "square", a triangle "up" or "down", or a "ring", whose colour is the paper's."""
         for px, py in zip(np.atleast_1d(self.across(x)), np.atleast_1d(self.up(y)), strict=True):
             self._mark(float(px), float(py), which, size, shape)
 
-    def note(self, x, y, words):
-        """A few words above a point."""
-        self.sketch.text(float(self.across(x)), float(self.up(y)) - 12, words, size=11.5)
+    def bar(self, x, y, which=0, *, width=24, shift=0.0, hollow=False):
+        """A bar from the axis up to y, `shift` pixels beside x; hollow: an outline filled with dots."""
+        middle, height = float(self.across(x)) + shift, float(self.up(y))
+        look = {"fill": "url(#dotted)" if hollow else PALETTE[which], "stroke": INK, "stroke_width": 1.2}
+        self.sketch.rect(middle - width / 2, height, width, self.bottom - height, **look)
+
+    def note(self, x, y, words, *, shift=0.0):
+        """A few words above a point, `shift` pixels beside it."""
+        self.sketch.text(float(self.across(x)) + shift, float(self.up(y)) - 12, words, size=11.5)
 
     def rule(self, y, words, *, above=True):
         """A dotted line across, with its name on the right."""
@@ -79,11 +86,16 @@ class Chart:
         self.sketch.text(self.right - 2, height + (-8 if above else 9), words, size=11.5, anchor="end")
 
     def legend(self, words, which, *, kind="line"):
-        """One more line of the legend; kind: how it is drawn, "line", "band", "circle" or "square"."""
+        """One more line of the legend; kind: how it is drawn, "line", "band", "circle", "square", "bar", "hollow" or
+        another shape of `points`.
+        """
         y = self.bottom + _FOOT + 10 + self._legend * _LINE
         self._legend += 1
-        if kind in ("circle", "square"):
+        if kind in _SHAPES:
             self._mark(24, y, which, 4, kind)
+        elif kind in ("bar", "hollow"):
+            fill = "url(#dotted)" if kind == "hollow" else PALETTE[which]
+            self.sketch.rect(12, y - 6, 24, 12, fill=fill, stroke=INK, stroke_width=1.2)
         else:
             if kind == "band":
                 self.sketch.rect(8, y - 6, 32, 12, fill=PALETTE[which], fill_opacity=0.2)
@@ -91,13 +103,22 @@ class Chart:
             self.sketch.line([(8, y), (40, y)], **look)
         self.sketch.text(48, y, words, size=12, anchor="start")
 
+    def room(self, lines):
+        """Take so many lines of the legend's room for a drawing of one's own; gives its upper edge."""
+        self._legend += lines
+        return self.bottom + _FOOT + 1 + (self._legend - lines) * _LINE
+
     def _mark(self, x, y, which, size, shape):
+        look = {"fill": PALETTE[which], "stroke": "#ffffff", "stroke_width": 0.8}
         if shape == "circle":
-            self.sketch.circle(x, y, size, fill=PALETTE[which], stroke="#ffffff", stroke_width=0.8)
+            self.sketch.circle(x, y, size, **look)
+        elif shape == "ring":
+            self.sketch.circle(x, y, size - 0.5, fill=PAPER, stroke=INK, stroke_width=1.5)
+        elif shape == "square":
+            self.sketch.rect(x - size, y - size, 2 * size, 2 * size, **look)
         else:
-            self.sketch.rect(
-                x - size, y - size, 2 * size, 2 * size, fill=PALETTE[which], stroke="#ffffff", stroke_width=0.8
-            )
+            tip = -size if shape == "up" else size
+            self.sketch.line([(x - size, y - tip), (x + size, y - tip), (x, y + tip)], closed=True, **look)
 
 
 def ticks(low, high, most=6):
@@ -112,11 +133,18 @@ def ticks(low, high, most=6):
 
 
 def log_ticks(low, high):
-    """1, 2, 5, 10, 20, … from `low` to `high`, or only the powers of ten where the others would be too many."""
+    """1, 2, 5, 10, 20, … from `low` to `high`, or only the powers of ten where the others would be too many.
+
+    Where they are fewer than 3, round numbers at equal distances.
+    """
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     steps = (1, 2, 5) if len(powers) <= 4 else (1,)
-    return [s * 10.0**p for p in powers for s in steps if low * 0.999 <= s * 10.0**p <= high * 1.001]
+    found = [s * 10.0**p for p in powers for s in steps if low * 0.999 <= s * 10.0**p <= high * 1.001]
+    return found if len(found) >= 3 else ticks(low, high, most=5)
 
 
 def _label(tick):
+    power = round(math.log10(abs(tick))) if tick else 0
+    if not -4 <= power <= 4 and math.isclose(tick, 10.0**power):
+        return "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return f"{tick:,.0f}" if abs(tick) >= 1000 else f"{tick:g}"

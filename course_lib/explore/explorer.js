@@ -10,16 +10,20 @@ function element(name, attributes = {}, ...children) {
 
 let views = 0;
 
-function makeQueue(model) {
+function makeQueue(model, root) {
   const name = `${Date.now()}-${views++}`;
   const waiting = [];
   let sent = 0;
   let underWay = null;
+  // Else a control that was moved is ahead of what the kernel says about it.
+  const idle = () => underWay === null && !waiting.length;
 
   function next() {
-    if (underWay !== null || !waiting.length) return;
-    underWay = `${name}-${sent++}`;
-    model.send({ id: underWay, do: waiting.shift() });
+    if (underWay === null && waiting.length) {
+      underWay = `${name}-${sent++}`;
+      model.send({ id: underWay, do: waiting.shift() });
+    }
+    root.dataset.idle = idle();
   }
   return {
     add(what, ...rest) {
@@ -35,8 +39,7 @@ function makeQueue(model) {
       underWay = null;
       next();
     },
-    // A control that was moved, and has not been answered, is ahead of what the kernel says about it.
-    idle: () => underWay === null && !waiting.length,
+    idle,
   };
 }
 
@@ -168,7 +171,6 @@ function makeList(place, make, identity) {
 }
 
 function render({ model, el }) {
-  const queue = makeQueue(model);
   const title = element("div", { class: "ce-title" });
   const controls = element("div", { class: "ce-controls" });
   const panels = element("div", { class: "ce-panels" });
@@ -176,8 +178,10 @@ function render({ model, el }) {
   const bar = element("progress", { max: 1, "aria-label": "progress" });
   // JupyterLab would take arrows and letters for commands of its own.
   const root = element("div", { class: "course-explorer", role: "group", "data-lm-suppress-shortcuts": "true" });
+  root.dataset.idle = true;
   root.append(title, controls, bar, message, panels);
   el.append(root);
+  const queue = makeQueue(model, root);
 
   const showControls = makeList(controls, (spec) => MAKERS[spec.kind](spec, queue), (spec) => [spec.kind, spec.name]);
   const showPanels = makeList(
@@ -202,8 +206,6 @@ function render({ model, el }) {
     answered() {
       queue.answered(model.get("answered"));
       if (queue.idle()) showControls(model.get("controls"));
-      root.dataset.answered = model.get("answered");
-      root.dataset.idle = queue.idle();
     },
   };
   for (const [trait, draw] of Object.entries(show)) {

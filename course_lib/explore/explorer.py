@@ -15,6 +15,8 @@ whatever was moved meanwhile is heard. Newer work takes the place of older.
 
 import base64
 import threading
+import time
+from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 
@@ -24,6 +26,8 @@ import traitlets
 from course_lib.maze import Action
 
 _HERE = Path(__file__).parent
+_OVER = object()
+_PAUSE = 0.005  # seconds between two steps of longer work, in which whoever waits for the lock gets it
 _KEYS = {"ArrowUp": Action.UP, "ArrowDown": Action.DOWN, "ArrowLeft": Action.LEFT, "ArrowRight": Action.RIGHT}
 
 
@@ -79,7 +83,8 @@ class Explorer(anywidget.AnyWidget):
         dials = [f"{c['label']}: {c['texts'][c['at']]}" for c in self.controls if "at" in c]
         pictures = "".join(_as_image(panel) if panel["svg"] else panel["html"] for panel in self.panels)
         line = f"<p><b>{escape(self.title)}</b> {escape(' · '.join(dials))}</p>"
-        return f'<div style="background:#fdfdfb;color:#22262b;padding:8px">{line}{pictures}<p>{escape(self.message)}</p></div>'
+        body = f"{line}{pictures}<p>{escape(self.message)}</p>"
+        return f'<div style="background:#fdfdfb;color:#22262b;padding:8px">{body}</div>'
 
     def _repr_mimebundle_(self, **kwargs):
         shown = super()._repr_mimebundle_(**kwargs)
@@ -89,9 +94,19 @@ class Explorer(anywidget.AnyWidget):
 
     def _hear(self, _, content, buffers):  # noqa: ARG002 (ipywidgets' signature)
         try:
-            self.do(*content["do"])
+            with self._faults_are_told():
+                self.do(*content["do"])
         finally:
             self.answered = content["id"]
+
+    @contextmanager
+    def _faults_are_told(self):
+        """What goes wrong in a callback or a thread is written where no learner looks."""
+        try:
+            yield
+        except Exception as error:
+            self.message = f"That went wrong: {error}"
+            raise
 
     def _draw(self):
         with self.hold_sync():
@@ -100,14 +115,20 @@ class Explorer(anywidget.AnyWidget):
 
     def _labour(self, work):
         """Step by step, as long as nothing newer has come; what was moved meanwhile is heard between two steps."""
-        while True:
+        with self._faults_are_told():
+            for _ in self._while_wanted(work):
+                self._draw()
+
+    def _while_wanted(self, work):
+        """The steps of `work`, and one time more after the last, under the lock, until something newer has come."""
+        going_on = True
+        while going_on:
             with self._lock:
-                if self._worker is not threading.current_thread() or next(work, work) is work:
-                    break
-                self._draw()
-        with self._lock:
-            if self._worker is threading.current_thread():
-                self._draw()
+                if self._worker is not threading.current_thread():
+                    return
+                going_on = next(work, _OVER) is not _OVER
+                yield
+            time.sleep(_PAUSE)
 
 
 def _as_image(panel):

@@ -59,6 +59,14 @@ class BlindMaze:
         if terminated:
             self._end()
 
+    def choose(self, cell):
+        """Move the mouse to a cell beside its own; it does not jump further."""
+        ways = [action for action in Action if self.maze.cell_ahead(self.cell, action) == cell != self.cell]
+        if ways:
+            self.arrow(ways[0])
+        else:
+            self.message = f"From cell {self.cell} there is no single move to cell {cell}."
+
     def view(self):
         """The map as far as it is known, and the walks so far."""
         buttons = [Button(action.name.lower(), label) for action, label in _ARROWS.items()]
@@ -68,11 +76,11 @@ class BlindMaze:
     def _forget(self):
         self.returns, self.lengths = [], []
         self.seen = np.zeros(self.maze.grid.size, bool)
-        self._begin()
+        self._begin(seed=0)
         self.message = "It is dark. Somewhere there is a cheese. Where do you go?"
 
-    def _begin(self):
-        self.cell, _ = self.maze.reset()
+    def _begin(self, seed=None):
+        self.cell, _ = self.maze.reset(seed=seed)
         self.seen[self.cell] = True
         self.moves, self.reward = 0, 0.0
 
@@ -98,16 +106,18 @@ class BlindMaze:
         board.note(self.maze.start, "start")
         board.mouse(self.cell)
         walls = np.flatnonzero(self.seen & (self.maze.grid.ravel() == Tile.WALL))
-        words = f"The mouse is in {place(self.maze, self.cell)}. {self.seen.sum()} of {self.maze.grid.size} cells are known."
+        words = f"The mouse is in {place(self.maze, self.cell)}."
+        words += f" {self.seen.sum()} of {self.maze.grid.size} cells are known."
         words += f" Walls: {', '.join(map(str, walls)) or 'none found yet'}."
-        return Panel("map", words, board.svg(), board="The dark maze. Click it, then walk with the arrow keys.")
+        how = "The dark maze: walk with the arrow keys, or click the next cell."
+        return Panel("map", words, board.svg(), board=how)
 
     def _curve(self):
         walks = max(_SHOWN_WALKS, len(self.returns))
         most = max([12, *self.lengths]) * 1.15
         chart = Chart(
-            "Your learning curve", x=(0.5, walks + 0.5), y=(0, most), xlabel="walk", ylabel="moves; beside each: reward",
-            height=230, legend=1,
+            "Your learning curve", x=(0.5, walks + 0.5), y=(0, most), xlabel="walk",
+            ylabel="moves; beside each: reward", height=230, legend=1,
         )  # fmt: skip
         chart.legend("one walk to the cheese", 0, kind="circle")
         at = np.arange(1, len(self.returns) + 1)

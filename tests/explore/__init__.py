@@ -1,0 +1,1 @@
+"""Explorers without a browser: what they show, and what their controls do to it."""

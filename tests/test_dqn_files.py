@@ -335,7 +335,7 @@ def test_a_size_beyond_all_memory_is_refused_or_takes_none(name, size, maze_save
     sizes = [16, size, 4] if name in ("hidden", "sizes") else [16, 12, 9, 4]
     rewritten(maze_saved, agent=agent, sizes=sizes)
     loaded = taken_or_refused(maze_saved, Maze(slip=0.2))
-    assert loaded is None or (loaded.replay == size == 10**7 and name in ("replay", "batch_size"))
+    assert loaded is None or (loaded.replay == size <= 10**12 and name in ("replay", "batch_size"))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300_000, "KiB"
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib import DQNAgent
-from course_lib.dqn.networks import Adam, Networks, layers_of, number_of_weights, starting_weights
+from course_lib.dqn.networks import Adam, Networks, layers_of, number_of_weights, row_sums, starting_weights
 
 SIZES = [(3, 2), (16, 4), (4, 20, 2), (1, 1, 1), (5, 7, 6, 3), (2, 3, 4, 5, 2)]
 every_shape = pytest.mark.parametrize("sizes", SIZES, ids=str)
@@ -89,6 +89,15 @@ def test_states_by_number_are_one_hot_encoded_ones_also_where_one_comes_again(si
     states = torch.from_numpy(rng.integers(sizes[0], size=(num_networks, rows)))
     dq = torch.from_numpy(rng.normal(size=(num_networks, rows, sizes[-1])))
     assert_as_torch(random_networks(sizes, num_networks), states, dq, one_hot(states, sizes[0]))
+
+
+@pytest.mark.parametrize("shape", [(3, 12), (3, 12, 4)], ids=str)
+def test_sums_by_row_are_the_same_wherever_a_row_comes_again(shape):
+    """So a GPU, whose threads write in any order, writes the same to a place whoever is last."""
+    rng = np.random.default_rng(1)
+    rows, values = torch.from_numpy(rng.integers(5, size=(3, 12))), torch.from_numpy(rng.normal(size=shape))
+    expected = torch.stack([sum(values[i, rows[i] == row]) for i in range(3) for row in rows[i]]).view(shape)
+    torch.testing.assert_close(row_sums(rows, values), expected)
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)

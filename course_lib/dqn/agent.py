@@ -10,7 +10,7 @@ from course_lib.dqn.episodes import Ended, Underway
 from course_lib.dqn.inputs import inputs_of
 from course_lib.dqn.lanes import lanes_of
 from course_lib.dqn.masks import nth_possible
-from course_lib.dqn.networks import Adam, Networks, starting_weights
+from course_lib.dqn.networks import Adam, Networks, add_at, starting_weights
 from course_lib.dqn.replay import Replay
 from course_lib.dqn.walks import greedy_walks
 from course_lib.validate import fraction, whole_number
@@ -257,7 +257,7 @@ class DQNAgent:
         y = batch["reward"] + batch["discount"] * best
         q = passed.q.flatten(1)
         error = q.gather(1, entries) - y
-        dq = torch.zeros_like(q).scatter_add_(1, entries, error * (2 / error.shape[1]))
+        dq = add_at(torch.zeros_like(q), entries, error * (2 / error.shape[1]))
         gradient = self._online.backward(passed, dq.view_as(passed.q))
         self._adam.step(self._online.flat, gradient, self.learning_rate, learning)
         self._update_target(learning)

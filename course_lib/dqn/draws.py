@@ -4,7 +4,7 @@ import numpy as np
 
 from course_lib.files import generator_in
 
-_NUMBERS_AT_ONCE = 2**22  # of all agents together
+_NUMBERS_AT_ONCE = 2**24  # of all agents together, 128 MiB: generators are slow to start, and there may be many
 
 
 class Draws:

@@ -67,7 +67,7 @@ class Networks:
             if x is None:
                 d_weights.copy_(dq)
             elif x.ndim == 2:
-                d_weights.zero_().scatter_add_(1, _across(x, weights), dq)
+                add_at(d_weights.zero_(), x, dq)
             else:
                 d_weights.copy_(torch.bmm(x.transpose(1, 2), dq))
             if x is not passed.inputs[0]:
@@ -103,6 +103,24 @@ class Adam:
         self.second.lerp_(gradient.square_(), rate_2)
         below = torch.clamp_min(self.second, _FASTER, out=self._room).sqrt_().add_(tiny)
         flat.sub_(torch.div(self.first, below, out=below).mul_(step))
+
+
+def add_at(zeros, rows, values):
+    """Add values, float32[E, N] or [E, N, W], to those `rows`, int64[E, N], of `zeros`, float32[E, M] or [E, M, W].
+
+    A GPU adds to one place in whatever order its threads come, and the last bits would change from run to run. There
+    every value is replaced by the sum of all that have its row, and then it does not matter who writes last.
+    """
+    places = rows if values.ndim == 2 else _across(rows, zeros)
+    if zeros.device.type == "cpu":
+        return zeros.scatter_add_(1, places, values)
+    return zeros.scatter_(1, places, row_sums(rows, values))
+
+
+def row_sums(rows, values):
+    """Instead of each of the values, [E, N] or [E, N, W], the sum of all with the same of the rows, int64[E, N]."""
+    same = (rows.unsqueeze(2) == rows.unsqueeze(1)).to(values.dtype)
+    return torch.bmm(same, values.reshape(*rows.shape, -1)).view_as(values)
 
 
 def _across(rows, weights):

@@ -1,0 +1,134 @@
+"""From the press of a key to the new picture in the browser: explorers that compute or learn anew at every move.
+
+    python tests/benchmarks/explorers.py
+
+A real JupyterLab in headless Chromium. The clock starts at the key's own time stamp and stops at the first frame after
+the picture has changed; the next key is pressed when all is quiet. Every slider of lessons 2 and 3 is moved. Beside them,
+in the same notebook server: the limit, a slider of ipywidgets that writes its number into a label and computes nothing,
+and the usual way, `interact` with a figure of matplotlib.
+"""
+
+import statistics
+import sys
+from pathlib import Path
+
+import nbformat
+from measure import show
+from nbformat.v4 import new_code_cell, new_notebook
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
+from tests.browser.hands import only_explorers
+from tests.browser.lab import NOTEBOOKS, find_browser, jupyter_lab, open_browser, open_lab
+
+MOVES = 30
+LESSONS = ("00_start_here.ipynb",)
+LIMIT = """
+import ipywidgets
+slider, label = ipywidgets.IntSlider(0, 0, 40), ipywidgets.HTML("0")
+slider.observe(lambda change: setattr(label, "value", str(change.new)), "value")
+ipywidgets.VBox([slider, label], layout={"width": "400px"})
+"""
+USUAL = """
+import matplotlib.pyplot as plt
+from ipywidgets import interact
+
+def draw(k):
+    plt.plot([0, k])
+    plt.show()
+
+_ = interact(draw, k=(0, 40))
+"""
+WATCH = """({key, picture}) => {
+    window.waited = null;
+    let pressed = null;
+    const watched = picture;
+    document.addEventListener("keydown", (event) => (pressed = event.timeStamp), { capture: true, once: true });
+    const observer = new MutationObserver(() => {
+        if (pressed === null) return;
+        observer.disconnect();
+        requestAnimationFrame(() => (window.waited = performance.now() - pressed));
+    });
+    observer.observe(watched, { childList: true, subtree: true, characterData: true });
+}"""
+
+
+def one_move(page, place, picture, key):
+    """Milliseconds from the key to the first frame with a new picture."""
+    page.evaluate(WATCH, {"key": key, "picture": picture})
+    place.focus()
+    page.keyboard.press(key)
+    page.wait_for_function("window.waited !== null", timeout=60_000)
+    taken = page.evaluate("window.waited")
+    page.wait_for_timeout(60)
+    return taken
+
+
+def moves(page, place, picture, at, last, number):
+    """Up the slider and down again, `number` moves in all."""
+    taken, key = [], "ArrowRight"
+    for _ in range(number):
+        if at in (0, last):
+            key = "ArrowRight" if at == 0 else "ArrowLeft"
+        at += 1 if key == "ArrowRight" else -1
+        taken.append(one_move(page, place, picture, key))
+    return taken
+
+
+def explorers_of(lab, name, number):
+    """{what is moved: milliseconds of every move} for the sliders of a lesson's explorers."""
+    nbformat.write(only_explorers(NOTEBOOKS / name), lab.server.folder / "measured.ipynb")
+    taken = {}
+    with lab.open("measured.ipynb") as notebook:
+        notebook.run_all()
+        for explorer in lab.page.locator(".course-explorer").all():
+            title = explorer.get_attribute("aria-label")
+            picture = explorer.locator(".ce-panels").element_handle()
+            for slider in explorer.locator("input[type=range]").all():
+                at, last = int(slider.input_value()), int(slider.get_attribute("max"))
+                what = f"{name[:2]} {title}: {slider.locator('xpath=../span').inner_text()}"
+                taken[what] = moves(lab.page, slider, picture, at, last, number)
+    return taken
+
+
+def peers(lab, number):
+    """The same for the two that this is measured against."""
+    kernel = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
+    cells = [new_code_cell(LIMIT), new_code_cell(USUAL)]
+    nbformat.write(new_notebook(cells=cells, metadata={"kernelspec": kernel}), lab.server.folder / "peers.ipynb")
+    with lab.open("peers.ipynb") as notebook:
+        notebook.run_all()
+        limit, usual = lab.page.locator(".noUi-handle").all()
+        label = lab.page.locator(".widget-html-content").first.element_handle()
+        figure = lab.page.locator(".widget-output, .jupyter-widget-output-area").first.element_handle()
+        return {
+            "limit: a slider and a label": moves(lab.page, limit, label, 0, 40, number),
+            "usual: interact with matplotlib": moves(lab.page, usual, figure, 20, 40, number),
+        }
+
+
+def measure(number=MOVES):
+    """{what is moved: milliseconds}, peers first."""
+    program = find_browser() or sys.exit("needs a browser")
+    with jupyter_lab() as server, open_browser(program) as browser, open_lab(browser, server) as lab:
+        taken = peers(lab, number)
+        for name in LESSONS:
+            taken |= explorers_of(lab, name, number)
+    return taken
+
+
+def p95(numbers):
+    return statistics.quantiles(numbers, n=20, method="inclusive")[-1]
+
+
+def main():
+    taken = measure()
+    limit = statistics.median(next(iter(taken.values())))
+    rows = [("what is moved", "median ms", "p95 ms", "median over the limit")]
+    for what, numbers in taken.items():
+        middle = statistics.median(numbers)
+        rows.append((what, f"{middle:.0f}", f"{p95(numbers):.0f}", f"{middle / limit:.2f}"))
+    show(f"From the key to the picture, {MOVES} moves each", rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -4,10 +4,30 @@ An explorer is one state without any widget in it (`BlindMaze`, …), drawn by `
 shown by the one widget of `explorer`. It can be worked by mouse and by keyboard, and says in words what it shows.
 """
 
+from course_lib.explore.by_hand import BellmanByHand, bellman
+from course_lib.explore.dqn import InsideTheNetwork, network
 from course_lib.explore.explorer import Explorer
+from course_lib.explore.hundred_agents import QLearning, q_learning
+from course_lib.explore.mdp import Transitions, transitions
 from course_lib.explore.mouse import KEPT_IN, BlindMaze
+from course_lib.explore.td_update import OneUpdate, one_update
 
-__all__ = ["BlindMaze", "Explorer", "be_the_mouse"]
+__all__ = [
+    "BellmanByHand",
+    "BlindMaze",
+    "Explorer",
+    "InsideTheNetwork",
+    "OneUpdate",
+    "QLearning",
+    "Transitions",
+    "be_the_mouse",
+    "bellman",
+    "network",
+    "one_update",
+    "q_learning",
+    "trading_floor",
+    "transitions",
+]
 
 
 def be_the_mouse(maze=None):
@@ -16,3 +36,15 @@ def be_the_mouse(maze=None):
     In the course's maze finished walks are kept in my_mouse.json in the current folder, for lesson 3.
     """
     return Explorer(BlindMaze(maze, keep=KEPT_IN if maze is None else None))
+
+
+def trading_floor(part=None, positions=None, *, cost=0.0005):
+    """A market: without arguments, with Q-tables that learn at every move; else with your traders, on a part of it.
+
+    part       a `market.Part`
+    positions  {name: int[N] or int[E, N]}, -1, 0 or 1 at each of its bars: one to three traders, or kinds of traders
+    cost       of a leg at first, one of 0, 0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005 and 0.01
+    """
+    from course_lib.explore import market  # it brings pandas, which lessons on mazes do without
+
+    return market.trading_floor(part, positions, cost=cost)

@@ -41,11 +41,15 @@ class Board:
         x, y, side = self.left + column * self.cell + gap, self.top + row * self.cell + gap, self.cell - 2 * gap
         self.sketch.rect(x, y, side, side, fill=colour, data_cell=int(state))
 
-    def tiles(self, shown=None):
-        """Floor and walls, with every cell's number; `shown`, bool[S]: the cells that are known, by default all."""
+    def tiles(self, shown=None, colours=()):
+        """Floor and walls, with every cell's number; `shown`, bool[S]: the cells that are known, by default all.
+
+        colours: {state: a colour} for floor that is to have another.
+        """
         for s, tile in enumerate(self.world.grid.flat):
             known = shown is None or shown[s]
-            self.fill(s, (UNKNOWN if not known else "url(#slanted)" if tile == Tile.WALL else OPEN))
+            floor = dict(colours).get(s, OPEN)
+            self.fill(s, (UNKNOWN if not known else "url(#slanted)" if tile == Tile.WALL else floor))
             self.number(s, "#ffffff" if known and tile == Tile.WALL else INK)
 
     def walls(self):
@@ -69,7 +73,8 @@ class Board:
             if self.roomy:
                 self.number(s, ink)
                 x, y = self.middle(s)
-                self.sketch.text(x, y - 0.13 * self.cell, short(values[s]), size=min(14.0, self.cell / 4), colour=ink)
+                size = min(14.0, max(11.0, self.cell / 4.5))
+                self.sketch.text(x, y - 0.1 * self.cell, short(values[s]), size=size, colour=ink)
 
     def wedges(self, q, low, high, written="{:.2f}"):
         """Four wedges a cell, one for each action, with its value; the best of a cell are bold and framed."""
@@ -88,15 +93,14 @@ class Board:
                     self.sketch.line(inner, closed=True, fill="none", stroke=RED, stroke_width=2.2)
                 if self.roomy:
                     look = {"font_weight": "700"} if a in best else {}
-                    place = (x + right * half * 0.62, y + down * half * 0.7)
+                    place = (x + right * half * 0.6, y + down * half * 0.7)
                     self.sketch.text(*place, written.format(q[s, a]), size=min(11.0, self.cell / 7), colour=ink, **look)
 
     def frame_wedge(self, state, action, colour=BLUE):
         """A thick dashed frame around one wedge: the changed one."""
-        x, y = self.middle(state)
-        corners = [(0.1 * x + 0.9 * cx, 0.1 * y + 0.9 * cy) for cx, cy in self._wedge(state, action)]
-        self.sketch.line(corners, closed=True, fill="none", stroke="#ffffff", stroke_width=6, stroke_linejoin="round")
-        self.sketch.line(corners, closed=True, fill="none", stroke=colour, stroke_width=3, stroke_dasharray="5 3")
+        corners, look = self._wedge(state, action), {"closed": True, "fill": "none", "stroke_linejoin": "round"}
+        self.sketch.line(corners, stroke="#ffffff", stroke_width=5, **look)
+        self.sketch.line(corners, stroke=colour, stroke_width=3, stroke_dasharray="6 3", **look)
 
     def tag(self, state):
         """The state's number on a slip of paper, to be read on any colour."""
@@ -106,13 +110,16 @@ class Board:
             self.sketch.rect(x, y, 5 + 6.5 * len(str(state)), 13, fill=PAPER, rx=2, data_cell=int(state))
             self.sketch.text(x + 2.5, y + 6.5, state, size=11, anchor="start")
 
-    def arrows(self, q):
-        """An arrow for every best action of a cell; none where all are alike, since nothing is known there."""
+    def arrows(self, q, marked=()):
+        """An arrow for every best action of a cell; none where all are alike, since nothing is known there.
+
+        marked: pairs (state, action) whose arrows are filled, the others being white.
+        """
         for s in acting_states(self.world):
             best = best_actions(q[s])
-            if len(best) < len(Action):
-                for a in best:
-                    self.arrow(s, a, lift=0.16 if self.roomy else 0.0)
+            for a in best if len(best) < len(Action) else []:
+                place = {"lift": 0.24, "start": 0.03, "length": 0.2} if self.roomy else {}  # below the cell's number
+                self.arrow(s, a, colour=RED if (s, a) in marked else "#ffffff", **place)
 
     def arrow(self, state, action, *, lift=0.0, aside=0.0, start=0.06, length=0.28, colour="#ffffff"):
         """An arrow from the middle of a cell the way the action moves; lift: lower down, aside: right, in cells."""
@@ -125,13 +132,13 @@ class Board:
         corners = [(x + right * along - down * across, y + down * along + right * across) for along, across in outline]
         self.sketch.line(corners, closed=True, fill=colour, stroke=INK, stroke_width=0.9)
 
-    def frame(self, state, colour=BLUE, dash=None):
-        """A thick frame around a cell: the chosen one."""
+    def frame(self, state, colour=BLUE, dash=None, *, inset=3):
+        """A thick frame around a cell: the chosen one; inset: how many pixels inside it."""
         row, column = divmod(int(state), self.world.columns)
-        x, y = self.left + column * self.cell + 3, self.top + row * self.cell + 3
-        look = {"fill": "none", "stroke_dasharray": dash, "rx": 3}
-        self.sketch.rect(x, y, self.cell - 6, self.cell - 6, stroke="#ffffff", stroke_width=6, fill="none", rx=3)
-        self.sketch.rect(x, y, self.cell - 6, self.cell - 6, stroke=colour, stroke_width=3.5, **look)
+        x, y = self.left + column * self.cell + inset, self.top + row * self.cell + inset
+        look, side = {"fill": "none", "stroke_dasharray": dash, "rx": 3}, self.cell - 2 * inset
+        self.sketch.rect(x, y, side, side, stroke="#ffffff", stroke_width=6, fill="none", rx=3)
+        self.sketch.rect(x, y, side, side, stroke=colour, stroke_width=3.5, **look)
 
     def path(self, states, colour=RED):
         """A trail through the middles of cells."""
@@ -179,9 +186,9 @@ class Board:
     def corner_note(self, state, words, *, top=False):
         """A few words on a strip of paper in a corner of a cell, the lower right one or the upper right one."""
         x, y = self.middle(state)
-        width, y = 5.8 * len(words) + 4, y + (-1 if top else 1) * (self.cell / 2 - 10)
-        x += self.cell / 2 - 3 - width / 2
-        self.sketch.rect(x - width / 2, y - 7, width, 14, fill=PAPER, fill_opacity=0.9, rx=2)
+        width, y = 5.8 * len(words) + 4, y + (-1 if top else 1) * (self.cell / 2 - 9)
+        x += self.cell / 2 - 2 - width / 2
+        self.sketch.rect(x - width / 2, y - 7, width, 14, fill=PAPER, rx=2, data_cell=int(state))
         self.sketch.text(x, y, words, size=11)
 
     def _number_rows_and_columns(self):

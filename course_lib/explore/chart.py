@@ -83,7 +83,8 @@ class Chart:
         """A dotted line across, with its name on the right."""
         height = float(self.up(y))
         self.sketch.line([(_LEFT, height), (self.right, height)], stroke=INK, stroke_dasharray="1 3")
-        self.sketch.text(self.right - 2, height + (-8 if above else 9), words, size=11.5, anchor="end")
+        halo = {"stroke": PAPER, "stroke_width": 4, "paint_order": "stroke"}  # other lines may cross the name
+        self.sketch.text(self.right - 2, height + (-8 if above else 9), words, size=11.5, anchor="end", **halo)
 
     def legend(self, words, which, *, kind="line"):
         """One more line of the legend; kind: how it is drawn, "line", "band", "circle", "square", "bar", "hollow" or
@@ -140,7 +141,7 @@ def log_ticks(low, high):
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     steps = (1, 2, 5) if len(powers) <= 4 else (1,)
     found = [s * 10.0**p for p in powers for s in steps if low * 0.999 <= s * 10.0**p <= high * 1.001]
-    return found if len(found) >= 3 else ticks(low, high, most=5)
+    return found if len(found) >= 3 else ticks(low, high, most=8)
 
 
 def _label(tick):

@@ -8,6 +8,9 @@ function element(name, attributes = {}, ...children) {
   return node;
 }
 
+// JupyterLab would take arrows and letters for commands of its own; it asks the element that has the focus first.
+const KEYS_ARE_OURS = { "data-lm-suppress-shortcuts": "true" };
+
 let views = 0;
 
 function makeQueue(model, root) {
@@ -46,7 +49,7 @@ function makeQueue(model, root) {
 // --- controls: each maker gives a node, and a function that shows the control as it now stands ------------------------
 
 function slider(spec, queue) {
-  const input = element("input", { type: "range", min: 0, step: 1 });
+  const input = element("input", { type: "range", min: 0, step: 1, ...KEYS_ARE_OURS });
   const shown = element("output");
   let texts = [];
   const say = () => {
@@ -71,7 +74,7 @@ function slider(spec, queue) {
 }
 
 function choice(spec, queue) {
-  const select = element("select");
+  const select = element("select", KEYS_ARE_OURS);
   select.addEventListener("change", () => queue.add("turn", spec.name, select.selectedIndex));
   const label = element("span", { class: "ce-name" });
   let texts = [];
@@ -89,7 +92,7 @@ function choice(spec, queue) {
 }
 
 function toggle(spec, queue) {
-  const input = element("input", { type: "checkbox" });
+  const input = element("input", { type: "checkbox", ...KEYS_ARE_OURS });
   input.addEventListener("change", () => queue.add("turn", spec.name, Number(input.checked)));
   const label = element("span");
   return {
@@ -102,7 +105,7 @@ function toggle(spec, queue) {
 }
 
 function button(spec, queue) {
-  const node = element("button", { type: "button", class: "ce-button" });
+  const node = element("button", { type: "button", class: "ce-button", ...KEYS_ARE_OURS });
   node.addEventListener("click", () => {
     if (node.getAttribute("aria-disabled") !== "true") queue.add("press", spec.name);
   });
@@ -129,6 +132,7 @@ function panel(spec, queue) {
   if (spec.board) {
     picture.tabIndex = 0;
     picture.setAttribute("role", "application");
+    picture.setAttribute(...Object.entries(KEYS_ARE_OURS)[0]);
     picture.setAttribute("aria-describedby", words.id);
     picture.classList.add("ce-board");
     picture.addEventListener("keydown", (event) => {
@@ -176,8 +180,7 @@ function render({ model, el }) {
   const panels = element("div", { class: "ce-panels" });
   const message = element("p", { class: "ce-message", role: "status" });
   const bar = element("progress", { max: 1, "aria-label": "progress" });
-  // JupyterLab would take arrows and letters for commands of its own.
-  const root = element("div", { class: "course-explorer", role: "group", "data-lm-suppress-shortcuts": "true" });
+  const root = element("div", { class: "course-explorer", role: "group", ...KEYS_ARE_OURS });
   root.dataset.idle = true;
   root.append(title, controls, bar, message, panels);
   el.append(root);

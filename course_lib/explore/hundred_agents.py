@@ -1,0 +1,321 @@
+"""Lesson 3, the Q-learning explorer: a hundred agents learn from scratch at every move of a slider."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from course_lib.bellman import value_iteration
+from course_lib.explore.board import Board
+from course_lib.explore.chart import Chart
+from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.explorer import Explorer
+from course_lib.explore.mouse import kept_walks
+from course_lib.explore.td_update import own_maze, plain, table_in_words, value_span
+from course_lib.maze import Action, Tile
+from course_lib.plots.board import ALIKE, acting_states, best_actions, short
+from course_lib.q_table import QAgent
+from course_lib.validate import number, whole_number
+
+NUM_AGENTS, NUM_EPISODES = 100, 100
+MAX_STEPS = 200  # of an episode: nothing more is to be seen in longer ones, and they would keep one waiting
+_SLIDERS = ("alpha", "gamma", "epsilon", "epsilon_decay", "slip")
+_MOVES, _REWARD = "moves of an episode", "reward of an episode"
+_YOU = "you, in lesson 0"
+_NEARLY = 0.9  # of the best possible return: what a table that has learned its lesson earns
+
+
+@dataclass(frozen=True)
+class Trained:
+    """What came of one training. N agents, M episodes.
+
+    world     the maze in which they learned; moves, rewards: of every episode, float64[N, M]
+    tables    float64[N, S, A]; middle: the number of the agent whose value of the start is the middle one
+    exact_q   float64[S, A], Q* of the world's cells that can be reached; None where it is not defined
+    good      bool[N]: whether a table's best actions lead straight to the cheese, or, where moves slip, earn nearly
+              the best possible return
+    """
+
+    world: object
+    moves: np.ndarray
+    rewards: np.ndarray
+    tables: np.ndarray
+    middle: int
+    exact_q: np.ndarray | None
+    good: np.ndarray
+
+
+class QLearning:
+    """A hundred `QAgent`s with seeds 0 to 99, trained anew for a hundred episodes at every move of a slider.
+
+    maze     a `Maze`, by default the course's, in which a bump costs 1 and the walk goes on, as in lesson 0
+    walks    (returns, lengths) of walks to be drawn beside the agents'; by default those kept from lesson 0 in the
+             current folder, which are read when the learner asks for them
+    trained  what came of the last training, a `Trained`
+    """
+
+    title = "The Q-learning explorer"
+
+    def __init__(self, maze=None, walks=None):
+        self._given = None if walks is None else _checked_walks(walks)
+        self.maze, self.walks = own_maze(maze), self._given
+        self.dials = Dials(
+            {
+                "alpha": ("learning rate α", (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), plain),
+                "gamma": ("discount γ", (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0), plain),
+                "epsilon": ("exploring ε", (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), plain),
+                "epsilon_decay": ("ε decay", (0.8, 0.9, 0.95, 0.98, 0.99, 1.0), plain),
+                "slip": ("slip", tuple(sorted({0.0, 0.05, 0.1, 0.2, 0.3, 0.5, self.maze.slip})), plain),
+                "curve": ("curve", (_MOVES, _REWARD)),
+            },
+            alpha=0.1, gamma=0.9, epsilon=0.1, epsilon_decay=1.0, slip=self.maze.slip, curve=_MOVES,
+        )  # fmt: skip
+        self._retrain()
+
+    def turn(self, name, at):
+        """Put a slider to its stop number `at`, and train anew; or choose another curve."""
+        self.dials.turn(name, at)
+        if name != "curve":
+            self._retrain()
+
+    def press(self, name):
+        """Show or hide the learner's own "walks"."""
+        if name != "walks":
+            raise ValueError(f"the only button is walks, got {name!r}")
+        if self.walks is not None:
+            self.walks = None
+            self._tell()
+            return
+        self.walks = kept_walks() if self._given is None else self._given
+        if self.walks is None:
+            self.message = "There are no walks of yours yet: play lesson 0, and your curve appears here."
+            return
+        (*_, reward), (*_, moves) = self.walks
+        self.message = f"Your walks in lesson 0 are drawn as squares, {len(self.walks[0])} of them. The last one took"
+        self.message += f" {moves} moves and had a reward of {reward:+g}."
+
+    def view(self):
+        """The learning curve of all agents, and the table of one."""
+        sliders = [self.dials.slider(name) for name in _SLIDERS]
+        label = "show my walks from lesson 0" if self.walks is None else "hide my walks"
+        controls = (*sliders, self.dials.choice("curve"), Button("walks", label))
+        return View(controls, (self._curve(), self._table()), self.message)
+
+    def _retrain(self):
+        rates = {name: getattr(self.dials, name) for name in _SLIDERS if name != "slip"}
+        self.trained = _train(own_maze(self.maze, slip=self.dials.slip), NUM_AGENTS, **rates)
+        self._best = {_MOVES: _fewest_moves(self.trained.world), _REWARD: _best_reward(self.trained.world)}
+        self._tell()
+
+    def _tell(self):
+        """The message: how the walks end, how good the tables are, and what the middle agent believes."""
+        trained = self.trained
+        low, middle, high = map(short, np.percentile(trained.moves[:, -1], (5, 50, 95)))
+        does = "lead straight to the cheese"
+        if trained.world.slip and trained.exact_q is not None:
+            does = f"earn at least {_NEARLY:.0%} of the best possible return".replace("%", "\u00a0%")
+        self.message = f"Episode {NUM_EPISODES}: {middle} moves in the median (5 to 95\u00a0%: {low} to {high})."
+        self.message += f" Without exploring, {trained.good.sum()} of {NUM_AGENTS} tables {does}."
+        self.message += f" The start is worth {self._middle_table[trained.world.start].max():z.3f} to the middle agent"
+        if trained.exact_q is not None:
+            self.message += f", exactly {trained.exact_q[trained.world.start].max():z.3f}"
+        self.message += "."
+
+    @property
+    def _middle_table(self):
+        return self.trained.tables[self.trained.middle]
+
+    def _curve(self):
+        name, (yours_reward, yours_moves) = self.dials.curve, ((), ()) if self.walks is None else self.walks
+        runs, yours = (self.trained.moves, yours_moves) if name == _MOVES else (self.trained.rewards, yours_reward)
+        low, middle, high = np.percentile(runs, (5, 50, 95), axis=0)
+        best, episodes = self._best[name], np.arange(1, NUM_EPISODES + 1)
+        look = {"x": (0, 1.03 * NUM_EPISODES), "xlabel": "episode", "height": 230, "legend": 2}
+        if name == _MOVES:
+            span = (0.72 * min([best or 1.0, *yours]), 1.15 * max([MAX_STEPS, *yours]))
+            unit = f"moves, on a log scale; walks are cut off at {MAX_STEPS}"
+            chart = Chart("Learning curve: moves", y=span, ylabel=unit, log=True, **look)
+        else:
+            floor = min([low.min(), -1.0, *yours])
+            floor = next(f for f in (-5, -10, -20, -50, -100, -200, -500, -1000, floor) if f <= floor)
+            top = max([high.max(), best or 0.0, *yours])
+            unit = f"reward; walks are cut off at {MAX_STEPS} moves"
+            chart = Chart("Learning curve: reward", y=(floor, top + 0.15 * (top - floor)), ylabel=unit, **look)
+        chart.band(episodes, low, high)
+        chart.line(episodes, middle)
+        chart.legend(f"median of {NUM_AGENTS} agents, band: 5 to 95 %", 0, kind="band")
+        words = f"{name.capitalize()}, median of {NUM_AGENTS} agents and 5 to 95 % band. "
+        words += "; ".join(f"episode {i}: {_three(middle, low, high, i)}" for i in (1, 5, 10, 25, 50, 100)) + "."
+        if best is not None:
+            kind = "fewest possible" if name == _MOVES else "best possible"
+            kind += ", on average" * (self.dials.slip > 0)
+            chart.rule(best, f"{kind}: {short(best)}", above=name != _MOVES)
+            words += f" Dotted line, {kind}: {short(best)}."
+        if len(yours):
+            chart.line(np.arange(1, len(yours) + 1), yours, 1)
+            chart.points(np.arange(1, len(yours) + 1), yours, 1, shape="square")
+            chart.legend(_YOU, 1, kind="square")
+            words += f" {_YOU.capitalize()}: {', '.join(short(value) for value in yours)}."
+        return Panel("curve", words, chart.svg())
+
+    def _table(self):
+        trained, table = self.trained, self._middle_table
+        board = Board(trained.world, f"Q of agent {trained.middle}, the middle one")
+        board.tiles()
+        board.wedges(table, *value_span(trained.world), written="{:z.2f}")
+        board.cheese()
+        for s in acting_states(trained.world):
+            board.tag(s)
+        actions, end = greedy_way(trained.world, table)
+        for s, a in actions:
+            board.arrow(s, a, start=-0.1, length=0.2)
+        way = ", ".join(Action(a).name.lower() for _, a in actions)
+        words = f"Agent {trained.middle} has the middle value of the start among {NUM_AGENTS}. Its best actions, the"
+        words += f" white arrows, lead from the start {way or 'nowhere'}: {end}."
+        if actions and trained.exact_q is not None:
+            off = max(abs(table[s, a] - trained.exact_q[s, a]) for s, a in actions)
+            words += f" The largest error of Q on this way is {off:.3f}."
+        words += f" {table_in_words(trained.world, table)}"
+        return Panel("table", words, board.svg())
+
+
+def q_learning(maze=None, walks=None):
+    """A hundred agents that learn anew at every move of a slider, by default in lesson 0's maze.
+
+    walks   (returns, lengths) of walks to draw beside their curve; by default lesson 0's, once the learner asks for
+            them. `ValueError` for what is no `Maze`, and for walks that do not fit together.
+    """
+    return Explorer(QLearning(maze, walks))
+
+
+def _train(world, num_agents, *, gamma, **settings):
+    """A `Trained` of agents with seeds from 0 on."""
+    moves, rewards = np.empty((2, num_agents, NUM_EPISODES))
+    tables = np.empty((num_agents, world.observation_space.n, world.action_space.n))
+    for seed in range(num_agents):
+        agent = QAgent(world, seed=seed, gamma=gamma, **settings)
+        history = agent.train(NUM_EPISODES, max_steps=MAX_STEPS)
+        moves[seed], rewards[seed], tables[seed] = history.episode_length, history.episode_return, agent.q_table
+    middle = int(np.argsort(tables[:, world.start].max(axis=1), kind="stable")[(num_agents - 1) // 2])
+    exact = _solution(world, gamma)
+    if world.slip and exact is not None:
+        good = returns_of(world, tables, gamma) >= _NEARLY * exact.values[world.start]
+    else:
+        good = leads_straight(world, tables)
+    return Trained(world, moves, rewards, tables, middle, None if exact is None else exact.q, good)
+
+
+def returns_of(world, tables, gamma):
+    """float64[N]: the expected discounted return from the start that the best actions of each table earn.
+
+    Of equally good actions each is taken alike often; a gamma of 1 is taken for a hair less, so that walks without end
+    have a return, too. tables: float64[N, S, A].
+    """
+    mdp, num_states = world.mdp, tables.shape[1]
+    step = np.zeros((*tables.shape[1:], num_states))  # the chance to go on in s'
+    states, actions = np.indices(mdp.next_state.shape)[:2]
+    np.add.at(step, (states, actions, mdp.next_state), np.where(mdp.terminal, 0.0, mdp.probability))
+    policies = _best(tables) / _best(tables).sum(axis=2, keepdims=True)
+    earned = np.einsum("nsa,sa->ns", policies, mdp.R)
+    ahead = min(gamma, 1 - 1e-6) * np.einsum("nsa,sat->nst", policies, step)
+    return np.linalg.solve(np.eye(num_states) - ahead, earned[:, :, None])[:, world.start, 0]
+
+
+def leads_straight(world, tables):
+    """bool[N]: whether a table's best actions lead to a goal by a shortest way, where no move slips.
+
+    Of equally good actions every one has to. tables: float64[N, S, A].
+    """
+    num_states, num_actions = tables.shape[1:]
+    ahead, goals = world.mdp.next_state[:, :, 0], np.isin(world.mdp.next_state[:, :, 0], world.goals)
+    to = np.zeros((num_states, num_actions, num_states), np.float32)  # a goal is left out: there the way is over
+    states, actions = np.nonzero(~goals)
+    to[states, actions, ahead[states, actions]] = 1
+    best = _best(tables)
+    here = np.zeros((len(tables), num_states), np.float32)
+    here[:, world.start] = 1
+    for _ in range(_shortest_way(world)):
+        here = np.minimum((here[:, :, None] * best).reshape(len(tables), -1) @ to.reshape(-1, num_states), 1)
+    return ~here.any(axis=1)
+
+
+def greedy_way(world, table):
+    """Where the best actions lead from the start, as [(state, action)], and in words how that ends.
+
+    Of equally good actions the first is followed; where all are alike nothing is known, and the way ends.
+    """
+    way, seen, state = [], set(), world.start
+    while state not in world.goals:
+        best = best_actions(table[state])
+        if len(best) == len(Action):
+            return way, f"in cell {state} all actions are alike to it"
+        if state in seen:
+            return way, f"it runs in a circle through cell {state}"
+        seen.add(state)
+        way.append((state, int(best[0])))
+        state = int(world.mdp.next_state[state, best[0], 0])
+    return way, "to the cheese"
+
+
+def _shortest_way(world):
+    """Moves from the start to the nearest goal, where no move slips."""
+    ahead, steps, reached = world.mdp.next_state[:, :, 0], 0, {world.start}
+    while not reached & set(world.goals):
+        reached |= {int(s) for state in reached for s in ahead[state]}
+        steps += 1
+    return steps
+
+
+def _best(tables):
+    return tables >= tables.max(axis=2, keepdims=True) - ALIKE
+
+
+def _solution(world, gamma):
+    """The exact solution of what can be reached in a world; None where rewards may be gathered without end."""
+    mdp = world.mdp
+    if gamma == 1 and (mdp.reward[~mdp.terminal] > 0).any():
+        return None
+    return value_iteration(without_pockets(world).mdp, gamma)
+
+
+def without_pockets(world, **changed):
+    """The same maze with walls in the cells that cannot be reached, and so cannot be left; changed: its other rules."""
+    ahead, reached = world.mdp.next_state[:, :, 0], {world.start}
+    while not (further := {int(s) for state in reached for s in ahead[state]}) <= reached:
+        reached |= further
+    grid = world.grid.copy()
+    shut = (grid.ravel() == Tile.OPEN) & ~np.isin(np.arange(grid.size), list(reached))
+    grid[shut.reshape(grid.shape)] = Tile.WALL
+    return own_maze(world, grid=grid, **changed)
+
+
+def _fewest_moves(world):
+    """The least number of moves that leads to a goal, on average where moves slip; None where it is not known."""
+    if not world.slip:
+        return float(_shortest_way(world))
+    if world.wall_ends_episode:
+        return None
+    every_move = {"step_reward": -1.0, "wall_reward": -1.0, "goal_reward": -1.0, "cell_rewards": None}
+    return -float(value_iteration(without_pockets(world, **every_move).mdp, 1.0).values[world.start])
+
+
+def _best_reward(world):
+    """The best possible reward of an episode, on average; None where there is no end to it."""
+    exact = _solution(world, 1.0)
+    return None if exact is None else float(exact.values[world.start])
+
+
+def _three(middle, low, high, episode):
+    return f"{short(middle[episode - 1])} ({short(low[episode - 1])} to {short(high[episode - 1])})"
+
+
+def _checked_walks(walks):
+    """(returns float64[N], lengths int64[N]) of a learner's walks; `ValueError` where they do not fit together."""
+    try:
+        returns, lengths = walks
+        returns = np.array([number("return", value) for value in returns])
+        lengths = np.array([whole_number("length", value, at_least=1) for value in lengths], np.int64)
+    except TypeError:
+        raise ValueError(f"walks must be (returns, lengths), got {walks!r}") from None
+    if not 0 < len(returns) == len(lengths):
+        raise ValueError(f"walks must be as many returns as lengths, got {len(returns)} and {len(lengths)}")
+    return returns, lengths

@@ -3,9 +3,9 @@
     python tests/benchmarks/explorers.py
 
 A real JupyterLab in headless Chromium. The clock starts at the key's own time stamp and stops at the first frame after
-the picture has changed; the next key is pressed when all is quiet. Every slider of lessons 2 and 3 is moved. Beside them,
-in the same notebook server: the limit, a slider of ipywidgets that writes its number into a label and computes nothing,
-and the usual way, `interact` with a figure of matplotlib.
+the picture has changed; the next key is pressed when all is quiet. Every slider of lessons 2 and 3 is moved. Beside
+them, in the same notebook server: the limit, a slider of ipywidgets that writes its number into a label and computes
+nothing, and the usual way, `interact` with a figure of matplotlib.
 """
 
 import statistics
@@ -21,7 +21,7 @@ from tests.browser.hands import only_explorers
 from tests.browser.lab import NOTEBOOKS, find_browser, jupyter_lab, open_browser, open_lab
 
 MOVES = 30
-LESSONS = ("00_start_here.ipynb",)
+LESSONS = ("02_bellman.ipynb", "03_q_table.ipynb")
 LIMIT = """
 import ipywidgets
 slider, label = ipywidgets.IntSlider(0, 0, 40), ipywidgets.HTML("0")

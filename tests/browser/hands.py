@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import nbformat
-from nbformat.v4 import new_notebook
+from nbformat.v4 import new_code_cell, new_notebook
 
 from .lab import LESSONS
 
@@ -27,17 +27,34 @@ def shows_an_explorer(cell):
     return last.startswith("explore.") and last.endswith(")")
 
 
-def lessons_with_explorers():
-    return [path for path in LESSONS if any(map(shows_an_explorer, code_cells(path)))]
-
-
 def only_explorers(path):
     """A lesson's imports and its explorers, in its own cells."""
     first, *others = code_cells(path)
     first.source = "\n".join(line for line in first.source.splitlines() if line.startswith(("import ", "from ")))
-    kept = [first, *filter(shows_an_explorer, others)]
+    return as_notebook([first, *filter(shows_an_explorer, others)])
+
+
+def as_notebook(cells):
     kernel = {"name": "python3", "display_name": "Python 3 (ipykernel)", "language": "python"}
-    return new_notebook(cells=kept, metadata={"kernelspec": kernel})
+    return new_notebook(cells=cells, metadata={"kernelspec": kernel})
+
+
+# The trading floor as it stands at the end of both homeworks, where the learner's own traders come to it
+OWN_TRADERS = (
+    "import numpy as np\nfrom course_lib import explore, market",
+    """explore.trading_floor(
+    part := market.split(market.real_prices("IBM")).test,
+    {"coin": np.random.default_rng(0).integers(-1, 2, (20, len(part.close))), "long": np.ones(len(part.close), int)},
+)""",
+)
+
+
+def notebooks_with_explorers():
+    """{name: notebook} of the explorers of every lesson."""
+    lessons = [path for path in LESSONS if any(map(shows_an_explorer, code_cells(path)))]
+    return {path.stem: only_explorers(path) for path in lessons} | {
+        "own_traders": as_notebook([new_code_cell(source) for source in OWN_TRADERS])
+    }
 
 
 def twins(notebook):
@@ -59,10 +76,9 @@ def working_in(folder):
 
 
 @contextmanager
-def open_explorers(lab, path, folder):
-    """The lesson's explorers in the page, each with its twin, which does its work in `folder`."""
-    notebook = only_explorers(path)
-    name = f"explorers_{path.name}"
+def open_explorers(lab, name, notebook, folder):
+    """The notebook's explorers in the page, each with its twin, which does its work in `folder`."""
+    name = f"explorers_{name}.ipynb"
     nbformat.write(notebook, lab.server.folder / name)
     with lab.open(name) as opened, working_in(folder):
         opened.dress("light", 1280)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from course_lib.bellman import action_values, bellman_sweep, evaluate_policy
-from course_lib.explore.board import Board, acting_states, best_actions, place, short, small_maze
 from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.drawing.board import Board, acting_states, best_actions, place, short, small_maze
 from course_lib.explore.equation import STEADY, Equation, error_chart, written
 from course_lib.explore.explorer import Explorer
 from course_lib.maze import Action, Maze, Tile

@@ -3,12 +3,12 @@
 import numpy as np
 
 from course_lib.bellman import value_iteration
-from course_lib.explore import nodes
-from course_lib.explore.board import Board, place, small_maze
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.drawing import nodes
+from course_lib.explore.drawing.board import Board, place, small_maze
+from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.drawing.sketch import shade
 from course_lib.explore.explorer import Explorer
-from course_lib.explore.sketch import shade
 from course_lib.explore.training import BETWEEN, EPISODES, GAMMA, PARTS, Training
 from course_lib.maze import MOVES, Action, Maze, Tile
 from course_lib.plots.board import acting_states, best_actions

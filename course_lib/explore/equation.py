@@ -5,9 +5,9 @@ from html import escape
 import numpy as np
 
 from course_lib.bellman import action_values, bellman_sweep
-from course_lib.explore.board import ARROWS, place
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Panel
+from course_lib.explore.drawing.board import ARROWS, place
+from course_lib.explore.drawing.chart import Chart
 from course_lib.maze import Action, Tile
 from course_lib.plots.board import best_actions
 

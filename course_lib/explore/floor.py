@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from course_lib import market
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Panel
+from course_lib.explore.drawing.chart import Chart
 from course_lib.plots.picture import BLUE, FAINT, INK, RED
 
 OWN_LINES = (0, 2, 4)  # of the palette: one for each trader that can be drawn at once

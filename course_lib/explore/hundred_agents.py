@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from course_lib.bellman import value_iteration
-from course_lib.explore.board import Board
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.drawing.board import Board
+from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.explorer import Explorer
 from course_lib.explore.mouse import kept_walks
 from course_lib.explore.td_update import own_maze, plain, table_in_words, value_span

@@ -4,9 +4,9 @@ from html import escape
 
 import numpy as np
 
-from course_lib.explore.board import ARROWS, Board, acting_states, place, small_maze
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.drawing.board import ARROWS, Board, acting_states, place, small_maze
+from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.explorer import Explorer
 from course_lib.maze import Action, Maze, Tile
 from course_lib.plots.picture import BLUE, RED

@@ -5,30 +5,30 @@ from pathlib import Path
 
 import numpy as np
 
-from course_lib.explore.board import Board, place
-from course_lib.explore.chart import Chart
 from course_lib.explore.controls import Button, Panel, View
+from course_lib.explore.drawing.board import ARROWS, Board, place, small_maze
+from course_lib.explore.drawing.chart import Chart
 from course_lib.files import write_whole
 from course_lib.maze import Action, Maze, Tile
 from course_lib.validate import number, whole_number
 
 KEPT_IN = "my_mouse.json"
-_ARROWS = {Action.UP: "↑ up", Action.DOWN: "↓ down", Action.LEFT: "← left", Action.RIGHT: "→ right"}
 _SHOWN_WALKS = 10  # at least so many have room on the curve
 
 
 class BlindMaze:
     """A maze of which only what was walked through or bumped into is seen.
 
-    maze      a `Maze`, best one in which a bump does not end the walk; keep: a file for the walks that were finished,
-              or None. It is written after every walk; where that fails, the message says so.
+    maze      a `Maze` of at most 20 x 20 cells, best one in which a bump does not end the walk
+    keep      a file for the walks that were finished, or None. It is written after every walk; where that fails, the
+              message says so
     returns   the reward of every finished walk; lengths: its moves
     """
 
     title = "Be the mouse"
 
     def __init__(self, maze=None, *, keep=None):
-        self.maze = Maze(wall_ends_episode=False) if maze is None else maze
+        self.maze = Maze(wall_ends_episode=False) if maze is None else small_maze(maze, most=20)
         self.keep = keep
         self._forget()
 
@@ -69,7 +69,7 @@ class BlindMaze:
 
     def view(self):
         """The map as far as it is known, and the walks so far."""
-        buttons = [Button(action.name.lower(), label) for action, label in _ARROWS.items()]
+        buttons = [Button(action.name.lower(), label) for action, label in ARROWS.items()]
         buttons.append(Button("forget", "forget everything", idle=not (self.moves or self.returns)))
         return View(controls=tuple(buttons), panels=(self._map(), self._curve()), message=self.message)
 

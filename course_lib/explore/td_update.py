@@ -5,15 +5,14 @@ from html import escape
 
 import numpy as np
 
-from course_lib.explore.board import Board, place
 from course_lib.explore.controls import Button, Dials, Panel, View
+from course_lib.explore.drawing.board import ARROWS, SIGNS, Board, place
 from course_lib.explore.explorer import Explorer
 from course_lib.maze import Action, Maze
 from course_lib.plots.board import acting_states
 from course_lib.q_table import QAgent
 from course_lib.validate import whole_number
 
-ARROWS = {Action.UP: "↑", Action.DOWN: "↓", Action.LEFT: "←", Action.RIGHT: "→"}
 MAX_STEPS = 1000  # of an episode, as in QAgent's train
 _BUTTONS = {"step": "one step", "ten": "10 steps", "episode": "to the end of the episode", "over": "start over"}
 _EMPTY = (
@@ -204,14 +203,14 @@ class OneUpdate:
         elif last.truncated:
             end = f"cut off after {MAX_STEPS} moves, not terminated"
         yield "s", place(self.maze, last.state)
-        yield "a", f"{ARROWS[last.action]} {_name(last.action)}; {last.how}"
+        yield "a", f"{ARROWS[last.action]}; {last.how}"
         yield "r", _text(last.reward) + (", a bump" if last.bumped else "")
         yield "s'", f"{place(self.maze, last.next_state)}; {end}"
         if last.terminated:
             yield "target", f"r = {_text(last.target)}"
         else:
             best = _text(last.following.max())
-            known = ", ".join(f"{ARROWS[a]} {_text(last.following[a])}" for a in Action)
+            known = ", ".join(f"{SIGNS[a]} {_text(last.following[a])}" for a in Action)
             yield "Q(s', ·)", f"{known}; max = {best}"
             sum_ = f"{_text(last.reward)} + {_text(last.gamma)} · {_factor(last.following.max())}"
             yield "target", f"r + γ max Q(s', ·) = {sum_} = {_text(last.target)}"

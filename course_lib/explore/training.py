@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 
 from course_lib.bellman import evaluate_policy
-from course_lib.explore.nodes import forward
+from course_lib.explore.drawing.nodes import forward
 from course_lib.maze import Action
 
 GAMMA = 0.95

@@ -8,7 +8,7 @@ import pytest
 
 from course_lib import Action, Maze, bellman_sweep, evaluate_policy, value_iteration
 from course_lib.explore import BellmanByHand, Explorer, bellman
-from course_lib.explore.board import acting_states
+from course_lib.explore.drawing.board import acting_states
 
 DRY = {"wall_reward": 0.0, "wall_ends_episode": False}
 

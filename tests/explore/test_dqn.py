@@ -8,7 +8,7 @@ import pytest
 
 from course_lib import Action, DQNAgent, Maze, value_iteration
 from course_lib.explore.dqn import InsideTheNetwork, network
-from course_lib.explore.sketch import shade
+from course_lib.explore.drawing.sketch import shade
 from course_lib.explore.training import EPISODES
 from course_lib.maze import MOVES
 

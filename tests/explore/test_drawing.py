@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_lib import Action, Maze, value_iteration
-from course_lib.explore.board import Board, place
-from course_lib.explore.chart import Chart, log_ticks, ticks
-from course_lib.explore.sketch import WIDTH, Sketch, shade, shades
+from course_lib.explore.drawing.board import Board, place
+from course_lib.explore.drawing.chart import Chart, log_ticks, ticks
+from course_lib.explore.drawing.sketch import WIDTH, Sketch, shade, shades
 
 NAMESPACE = "{http://www.w3.org/2000/svg}"
 MAZES = [Maze(), Maze.random(3, 7, seed=1), Maze.random(9, 2, seed=0), Maze.random(30, 30, seed=2)]

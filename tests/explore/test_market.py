@@ -9,7 +9,7 @@ import pytest
 from market_worlds import closes
 
 from course_lib import explore, market
-from course_lib.explore.chart import Chart, log_ticks
+from course_lib.explore.drawing.chart import Chart, log_ticks
 from course_lib.explore.floor import OWN_LINES, judge
 from course_lib.explore.market import COSTS, TradingFloor, TrainingFloor
 from course_lib.plots.picture import PALETTE

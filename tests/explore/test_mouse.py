@@ -154,3 +154,9 @@ def test_unknown_buttons_are_refused():
     with pytest.raises(ValueError, match=r"up, down, left, right and forget, got 'jump'"):
         mouse.press("jump")
     assert mouse.moves == 0
+
+
+@pytest.mark.parametrize("world", ["maze", 4, Maze.random(21, 3)])
+def test_other_worlds_are_refused(world):
+    with pytest.raises(ValueError, match=r"a Maze is needed|at most 20 rows"):
+        BlindMaze(world)

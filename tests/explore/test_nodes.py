@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from course_lib.explore import nodes
+from course_lib.explore.drawing import nodes
 
 
 def texts(svg):

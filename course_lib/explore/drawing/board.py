@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from course_lib.explore.sketch import WIDTH, Sketch, shade
+from course_lib.explore.drawing.sketch import WIDTH, Sketch, shade
 from course_lib.maze import MOVES, Action, Maze, Tile
 from course_lib.plots.board import acting_states, best_actions, short
 from course_lib.plots.picture import BLUE, INK, ORANGE, PAPER, RED, YELLOW
 
 _MARGIN, _HEAD, _FOOT = 28, 30, 8  # left of the cells for row numbers, above for the title and columns, below
 _MOST_NUMBERS = 12  # columns up to which a cell has room for numbers
-ARROWS = {Action.UP: "↑ up", Action.DOWN: "↓ down", Action.LEFT: "← left", Action.RIGHT: "→ right"}
+SIGNS = {Action.UP: "↑", Action.DOWN: "↓", Action.LEFT: "←", Action.RIGHT: "→"}
+ARROWS = {action: f"{sign} {action.name.lower()}" for action, sign in SIGNS.items()}
 OPEN, UNKNOWN = "#ececea", "#d5d5d1"
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from course_lib.explore.sketch import WIDTH, Sketch
+from course_lib.explore.drawing.sketch import WIDTH, Sketch
 from course_lib.plots.picture import BLUE, FAINT, INK, PAPER, RED
 
 QUIET = "#5f646b"  # words that matter less; 5.9 to 1 on paper

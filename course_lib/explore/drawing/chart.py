@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from course_lib.explore.sketch import WIDTH, Sketch
+from course_lib.explore.drawing.sketch import WIDTH, Sketch
 from course_lib.plots.picture import FAINT, INK, PALETTE, PAPER
 
 DASHES = (None, "8 4", "2 3", "9 3 2 3", "14 4", "1 4")  # one for each colour of PALETTE

@@ -15,15 +15,15 @@ from .lab import NOTEBOOKS, find_browser, jupyter_lab, open_browser, open_lab
 
 PLACE = NOTEBOOKS / "pictures" / "explorer.gif"
 LESSON, EXPLORER = NOTEBOOKS / "03_q_table.ipynb", "The Q-learning explorer"
-# (slider, key, how often): curious at first, then a slippery floor, then smaller steps of learning
+# (slider, key, how often): more exploring and less, a slippery floor, larger steps of learning
 STORY = (
     ("exploring ε", "ArrowRight", 4),
     ("exploring ε", "ArrowLeft", 4),
-    ("slip", "ArrowRight", 5),
-    ("learning rate α", "ArrowRight", 4),
+    ("slip", "ArrowRight", 3),
+    ("learning rate α", "ArrowRight", 3),
 )
 SHOWN, LINGER = 450, 1800  # milliseconds of a picture, and of the last one of each part of the story
-COLOURS = 64
+COLOURS = 96
 
 
 def taken(explorer):

@@ -1,5 +1,7 @@
 """Learn in an unknown world, with a table: Q-learning (Watkins, 1989; Sutton & Barto, 2nd ed., section 6.5)."""
 
+import ctypes
+
 import gymnasium
 import numpy as np
 
@@ -193,6 +195,65 @@ class QAgent:
         self.q_table[state, action] += alpha * (target - self.q_table[state, action])
 
 
+def train_side_by_side(env, seeds, num_episodes=1000, *, max_steps=1000, **settings):
+    """The tables, float64[E, S, A], and the `History`, [E, N], of `QAgent(env, seed=seed, …).train()` for E seeds.
+
+    The same to the last bit. Where the world is one of chances, such as a `Maze`, all learn in one compiled call, which
+    leaves the interpreter to other threads: of an agent that learns for a millisecond, half is Python. settings: of
+    `QAgent`. `ValueError` as for it, and without any seed.
+    """
+    if not (seeds := [whole_number("seed", seed) for seed in seeds]):
+        raise ValueError("seeds must be at least one, got none")
+    num_episodes, max_steps = (
+        whole_number("num_episodes", num_episodes),
+        whole_number("max_steps", max_steps, at_least=1),
+    )
+    agent, world = QAgent(env, seed=seeds[0], **settings), TableWorld.of(env)
+    tables, records = np.zeros((len(seeds), *agent.q_table.shape)), _Records((len(seeds), num_episodes))
+    if world is None or world.starts is not None or agent.mask_actions:
+        for i, seed in enumerate(seeds):
+            agent = QAgent(env, seed=seed, **settings)
+            history, tables[i] = agent.train(num_episodes, max_steps=max_steps), agent.q_table
+            records.returns[i], records.lengths[i] = history.episode_return, history.episode_length
+            records.terminated[i] = history.terminated
+    else:
+        from course_lib import kernels
+
+        drawn, world_drawn = _OneForMany(len(seeds)), _OneForMany(len(seeds))
+        for i, seed in enumerate(seeds):
+            rng = np.random.default_rng(seed)
+            env.reset(seed=int(rng.integers(2**31)))
+            drawn.keep(i, rng)
+            world_drawn.keep(i, env.unwrapped.np_random)
+        mdp, max_steps = world.mdp, min(max_steps, world.time_limit or max_steps)
+        kernels.q_learning_side_by_side(
+            tables, np.zeros(tables.shape, np.int64), (mdp.next_state, mdp.probability, mdp.reward, mdp.terminal),
+            world.start, world.draw_always, drawn.parts, world_drawn.parts, agent.gamma, agent.alpha,
+            agent.alpha_power or None, agent.epsilon, agent.epsilon_decay, max_steps,
+            records.returns, records.lengths, records.terminated,
+        )  # fmt: skip
+    return tables, History(records.returns, records.lengths, records.terminated, ~records.terminated)
+
+
+class _OneForMany:
+    """One generator that compiled loops draw from for E agents in turn, each from a state of its own.
+
+    Many cannot be handed to a loop. But numpy tells where PCG64 keeps its state: number and increment, 4 times 64 bits.
+    """
+
+    def __init__(self, number):
+        rng = np.random.Generator(np.random.PCG64(0))
+        place = ctypes.c_void_p.from_address(rng.bit_generator.ctypes.state_address).value
+        state = np.frombuffer((ctypes.c_uint64 * 4).from_address(place), np.uint64)
+        self.parts = (rng, state, np.zeros((number, 4), np.uint64))
+
+    def keep(self, i, rng):
+        """Agent i goes on from where `rng` stands."""
+        own, state, states = self.parts
+        own.bit_generator.state = rng.bit_generator.state
+        states[i] = state
+
+
 _SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "mask_actions", "seed")
 
 
@@ -205,12 +266,11 @@ def _table_shape(env):
 
 
 class _Records:
-    """Room for the episodes of one `train`, filled as they end."""
+    """Room for the episodes of one `train`, or of several side by side, filled as they end."""
 
-    def __init__(self, num_episodes):
-        self.returns = np.zeros(num_episodes)
-        self.lengths = np.zeros(num_episodes, np.int64)
-        self.terminated = np.zeros(num_episodes, np.bool_)
+    def __init__(self, shape):
+        self.returns, self.lengths = np.zeros(shape), np.zeros(shape, np.int64)
+        self.terminated = np.zeros(shape, np.bool_)
         self.carry = np.zeros(4)  # what the compiled loop goes on from: episode, step in it, state, return so far
 
     @property

@@ -49,8 +49,8 @@ def html_outputs(page):
 
 
 def test_there_are_lessons():
-    names = "00_start_here 01_mdp 02_bellman 03_q_table 04_homework_1 05_homework_2 06_dqn 07_homework_3"
-    assert [path.stem for path in LESSONS[:8]] == names.split()
+    names = "00_start_here 01_mdp 02_bellman 03_q_table 04_homework_1 05_homework_2 06_dqn 07_homework_3 08_at_scale"
+    assert [path.stem for path in LESSONS[:9]] == names.split()
 
 
 def test_file_is_valid_and_tidy(page, path):

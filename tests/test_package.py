@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import course_lib
-from course_lib import market
+from course_lib import market, study
 
 PACKAGE = Path(course_lib.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -29,7 +29,7 @@ ROWS = [
     ["classroom"],
 ]
 ROW_OF = {module: row for row, modules in enumerate(ROWS) for module in modules}
-OFFERED = [(home, name) for home in (course_lib, market) for name in home.__all__]
+OFFERED = [(home, name) for home in (course_lib, market, study) for name in home.__all__]
 MAY_WARN = {"market/prices.py"}  # of what may be a split or a crash, which nobody can decide but the learner
 
 each_file = pytest.mark.parametrize("path", FILES, ids=[str(path.relative_to(PACKAGE)) for path in FILES])
@@ -136,7 +136,9 @@ print(gymnasium.make("course_lib/Side-v0", prices=prices, encoder=encoder, side=
 
 def test_a_name_is_offered_once():
     assert not set(course_lib.__all__) & set(market.__all__) - {"action_values"}  # of a policy; of an agent in a part
+    assert not set(course_lib.__all__ + market.__all__) & set(study.__all__)
     assert sorted(market.__all__) == market.__all__
+    assert sorted(study.__all__) == study.__all__
 
 
 # --- rules of the house -----------------------------------------------------------------------------------------------
@@ -157,14 +159,18 @@ def test_imports_run_downwards(path):
 
 def test_only_planning_and_learning_know_the_compiled_loops():
     users = {module_of(path) for path in FILES for name in imported_by(path) if name.startswith("course_lib.kernels")}
-    assert users == {"bellman", "market", "q_table"}
+    assert users - {"kernels"} == {"bellman", "market", "q_table"}
 
 
 def test_a_compiled_loop_calls_nothing_compiled_elsewhere():
     """numba decides by a file's date whether a stored kernel is still good, and looks at one file only."""
-    assert {name.split(".")[0] for name in imported_by(PACKAGE / "kernels.py")} == {"numpy", "numba"}
-    others = [path for path in FILES if any(name.split(".")[0] == "numba" for name in imported_by(path))]
-    assert others == [PACKAGE / "kernels.py"]
+    own = {"numpy", "course_lib.kernels.compile.compiled", "course_lib.kernels.compile.inlined"}
+    loops = [path for path in FILES if module_of(path) == "kernels" and path.stem not in ("__init__", "compile")]
+    assert [path.stem for path in loops] == ["learning", "planning"]
+    for path in loops:
+        assert set(imported_by(path)) == own
+    with_numba = [path for path in FILES if any(name.split(".")[0] == "numba" for name in imported_by(path))]
+    assert with_numba == [PACKAGE / "kernels" / "compile.py"]
 
 
 @each_file
@@ -201,7 +207,8 @@ print(agent.q_table.sum().hex(), value_iteration(Maze().mdp, 0.9).values[0].hex(
 def test_where_nothing_can_be_written_everything_still_computes(tmp_path):
     """Permissions stop no root, so the folders for compiled loops are made impossible: a file stands in their place."""
     shutil.copytree(PACKAGE, tmp_path / "course_lib", ignore=shutil.ignore_patterns("__pycache__"))
-    (tmp_path / "course_lib" / "__pycache__").write_text("")
+    for folder in ("course_lib", "course_lib/kernels"):
+        (tmp_path / folder / "__pycache__").write_text("")
     nowhere = {"HOME": os.devnull, "XDG_CACHE_HOME": os.devnull, "LOCALAPPDATA": os.devnull, "NUMBA_CACHE_DIR": None}
     nowhere |= {"PYTHONPATH": str(tmp_path), "IPYTHONDIR": os.devnull}
     code = """
@@ -214,7 +221,7 @@ except RuntimeError as error:
     print("numba:", "cannot cache" in str(error))
 """
     place, numba = run(code, **nowhere).splitlines()
-    assert Path(place) == tmp_path / "course_lib" / "kernels.py"
+    assert Path(place) == tmp_path / "course_lib" / "kernels" / "__init__.py"
     assert numba == "numba: True"
     assert run(WORK, **nowhere) == run(WORK)
 

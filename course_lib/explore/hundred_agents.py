@@ -13,7 +13,7 @@ from course_lib.explore.mouse import kept_walks
 from course_lib.explore.td_update import own_maze, plain, table_in_words, value_span
 from course_lib.maze import Action, Tile
 from course_lib.plots.board import ALIKE, acting_states, best_actions, short
-from course_lib.q_table import QAgent
+from course_lib.q_table import train_side_by_side
 from course_lib.validate import number, whole_number
 
 NUM_AGENTS, NUM_EPISODES = 100, 100
@@ -189,12 +189,9 @@ def q_learning(maze=None, walks=None):
 
 def _train(world, num_agents, *, gamma, **settings):
     """A `Trained` of agents with seeds from 0 on."""
-    moves, rewards = np.empty((2, num_agents, NUM_EPISODES))
-    tables = np.empty((num_agents, world.observation_space.n, world.action_space.n))
-    for seed in range(num_agents):
-        agent = QAgent(world, seed=seed, gamma=gamma, **settings)
-        history = agent.train(NUM_EPISODES, max_steps=MAX_STEPS)
-        moves[seed], rewards[seed], tables[seed] = history.episode_length, history.episode_return, agent.q_table
+    seeds = range(num_agents)
+    tables, history = train_side_by_side(world, seeds, NUM_EPISODES, max_steps=MAX_STEPS, gamma=gamma, **settings)
+    moves, rewards = history.episode_length.astype(float), history.episode_return
     middle = int(np.argsort(tables[:, world.start].max(axis=1), kind="stable")[(num_agents - 1) // 2])
     exact = _solution(world, gamma)
     if world.slip and exact is not None:

@@ -7,17 +7,21 @@ from course_lib.plots.grid import action_values, maze, stages, transition, value
 from course_lib.plots.market import grid_of_states, in_and_out, trades, wealth
 from course_lib.plots.networks import forward_pass, seed_by_seed
 from course_lib.plots.picture import Picture
+from course_lib.plots.studies import bands, heat_map, intervals
 
 __all__ = [
     "Picture",
     "action_values",
     "agent_loop",
+    "bands",
     "cart_pole",
     "contraction",
     "counts",
     "forward_pass",
     "grid_of_states",
+    "heat_map",
     "in_and_out",
+    "intervals",
     "learning_curves",
     "maze",
     "method_chart",

@@ -1,5 +1,7 @@
 """That each benchmark runs, at a tiny size, and that all programs in it come to the same result. Nothing about time."""
 
+from contextlib import ExitStack
+
 import checks
 import dqn
 import market
@@ -8,6 +10,7 @@ import planning
 import pytest
 import q_learning
 import startup
+import study
 from measure import compile_c, compiler, medians
 
 from course_lib.maze import Action
@@ -112,6 +115,17 @@ def test_gym_anytrading_makes_the_same_money_where_there_are_no_fees(name):
 def test_the_compiled_learner_learns_what_the_stepping_one_learns():
     bars = 600
     assert market.check_learners(market.RubberBandMarket().prices(bars + market.WINDOW, seed=0), 5) == 5 * bars
+
+
+@pytest.mark.parametrize("rules", study.WORLDS.values(), ids=study.WORLDS)
+def test_threads_and_processes_train_the_same_agents(rules):
+    with ExitStack() as stack:
+        assert 0.5 < study.check_same(study.pools(stack), rules, num_agents=60, num_episodes=1000) <= 1
+
+
+def test_study_prints_its_tables(capsys):
+    study.main(num_agents=30, num_episodes=20, long_episodes=50, repeats=1)
+    assert capsys.readouterr().out.count(f"| {study.TWO_PROCESSES} ") == 2
 
 
 def test_q_learning_prints_its_table(capsys):

@@ -1,4 +1,4 @@
-"""The class on the command line: python -m course_lib.classroom {new,release,autograde,feedback,grades,template}."""
+"""The class on the command line: python -m course_lib.classroom COMMAND; `--help` names them."""
 
 import argparse
 import sys
@@ -39,16 +39,26 @@ def _parser():
         added.add_argument("--folder", default=".", help="folder of the class (default: this one)")
         return added
 
-    command("new", _new, "make the folder of a class").add_argument("folder", help="a folder that is new or empty")
-    for_class("release", _release, "make the notebook that learners get")
+    new = command("new", _new, "make the folder of a class")
+    new.add_argument("folder", help="a folder that is new or empty")
+    new.add_argument("--exchange", metavar="FOLDER", help="where learners of this machine fetch and submit")
+    release = for_class("release", _release, "make the notebook that learners get")
+    release.add_argument("--exchange", action="store_true", help="also let learners fetch it")
+    for_class("collect", _collect, "bring in what learners submitted on the exchange")
     autograde = for_class("autograde", _autograde, "grade what was handed in, and show the scores")
     autograde.add_argument("--learner", action="append", help="only this one (may be given several times)")
-    for_class("feedback", _feedback, "write a page for every learner")
+    feedback = for_class("feedback", _feedback, "write a page for every learner")
+    feedback.add_argument("--exchange", action="store_true", help="also let every learner fetch their own")
     grades = for_class("grades", _grades, "show all scores", homework=False)
     grades.add_argument("--csv", metavar="FILE", help="also write them to FILE")
     template = command("template", _template, "make a learner's notebook from its source, without a class")
     template.add_argument("source", help="the notebook with solutions")
     template.add_argument("target", help="the notebook to write")
+    hub = command("hub", _hub, "make the folder of a JupyterHub with an exchange")
+    hub.add_argument("folder", help="a folder that is new or empty, where all accounts may read")
+    links = command("links", _links, "show links that open the lessons on Binder and on Colab")
+    links.add_argument("repository", help="its public address, such as https://github.com/OWNER/REPOSITORY")
+    links.add_argument("--commit", help="the commit or tag that they lead to (default: this clone's commit)")
     return parser
 
 
@@ -61,12 +71,29 @@ def _course(options):
 def _new(options):
     from course_lib.classroom.course import Course
 
-    course = Course.new(options.folder)
+    course = Course.new(options.folder, exchange=options.exchange)
     print(f"made {course.folder} with {', '.join(course.homeworks)}")
 
 
+def _exchange(course):
+    from course_lib.classroom.exchange import Exchange
+
+    return Exchange(course)
+
+
 def _release(options):
-    print(_course(options).release(options.homework))
+    course = _course(options)
+    exchange = _exchange(course) if options.exchange else None
+    print(course.release(options.homework))
+    if exchange:
+        print(exchange.publish(options.homework))
+
+
+def _collect(options):
+    learners, notes = _exchange(_course(options)).collect(options.homework)
+    print(f"new work of {', '.join(learners)}" if learners else "no new work")
+    for note in notes:
+        print(note, file=sys.stderr)
 
 
 def _autograde(options):
@@ -75,11 +102,18 @@ def _autograde(options):
 
 
 def _feedback(options):
-    pages = _course(options).feedback(options.homework)
+    course = _course(options)
+    exchange = _exchange(course) if options.exchange else None
+    pages = course.feedback(options.homework)
     for path in pages.values():
         print(path)
     if not pages:
         raise ValueError(f"nothing of {options.homework} has been graded yet")
+    if exchange:
+        given = exchange.give_back(options.homework)
+        print(f"given back to {len(given)} of {len(pages)}")
+        if missing := sorted(set(pages) - set(given)):
+            raise RuntimeError(f"not given back: {', '.join(missing)}; the remarks of `grades` say why")
 
 
 def _grades(options):
@@ -88,6 +122,19 @@ def _grades(options):
 
 def _template(options):
     templates.write_template(options.source, options.target)
+
+
+def _hub(options):
+    from course_lib.classroom.hub import new_hub
+
+    folder = new_hub(options.folder)
+    print(f"made {folder}; as root: jupyterhub -f {folder / 'jupyterhub_config.py'}")
+
+
+def _links(options):
+    from course_lib.classroom.links import links
+
+    print(links(options.repository, options.commit))
 
 
 def _show(rows):

@@ -21,7 +21,14 @@ CHECKED = "checked"
 # would not import them.
 LARGEST_DATA, MOST_DATA = 10_000_000, 100
 NO_DATA = {".ipynb", ".py", ".pyc", ".pyd", ".pyi", ".pth", ".so", ".dll", ".dylib"}
+# What nbgrader's `submit` adds, so that the feedback finds its way back.
+FOR_EXCHANGE = "timestamp.txt", "submission_secret.txt"
 NO_PAGE = "No feedback page could be made"
+EXCHANGE = """
+# The exchange with learners on this machine, and the name under which they find this class there.
+c.Exchange.root = {root!r}
+c.CourseDirectory.course_id = {course_id!r}
+"""
 
 __all__ = ["Course", "Grade", "homeworks_of_the_course"]
 
@@ -46,22 +53,35 @@ class Course:
             raise FileNotFoundError(f"{self.folder} is not the folder of a class: it has no {SETTINGS.name}")
 
     @classmethod
-    def new(cls, folder, homeworks=None):
-        """Make a class in `folder`, new or empty, with `homeworks` {name: path of its source}; None: the course's."""
+    def new(cls, folder, homeworks=None, *, exchange=None):
+        """Make a class in `folder`, new or empty, with `homeworks` {name: path of its source}; None: the course's.
+
+        The folder is closed to all other accounts of the machine. With an `exchange` (a folder) the class hands out
+        and collects there, under the folder's name.
+        """
         require_nbgrader()
-        folder = Path(folder)
+        folder = Path(folder).resolve()
+        if exchange is not None and not Path(exchange).is_dir():
+            raise FileNotFoundError(f"there is no folder {exchange} for the exchange")
+        if exchange is not None and not re.fullmatch(r"\w[\w-]*", folder.name, re.ASCII):
+            raise ValueError(f"on an exchange a class is called by letters, digits, _ and -, not {folder.name!r}")
         homeworks = homeworks_of_the_course() if homeworks is None else homeworks
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             raise FileExistsError(f"{folder} is there already and not empty")
         for source in homeworks.values():
             if not Path(source).is_file():
                 raise FileNotFoundError(f"there is no notebook {source}")
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.chmod(0o700)
         for name, source in homeworks.items():
             place = folder / "source" / name
             place.mkdir(parents=True)
             shutil.copyfile(source, place / Path(source).name)
         (folder / "submitted").mkdir(parents=True)
-        shutil.copyfile(SETTINGS, folder / SETTINGS.name)
+        settings = SETTINGS.read_text(encoding="utf-8")
+        if exchange is not None:
+            settings += EXCHANGE.format(root=str(Path(exchange).resolve()), course_id=folder.name)
+        (folder / SETTINGS.name).write_text(settings, encoding="utf-8")
         return cls(folder)
 
     @property
@@ -77,7 +97,7 @@ class Course:
     @cached_property
     def ledger(self):
         """The records of the class."""
-        return Ledger(self.folder, self._api.coursedir.db_url)
+        return Ledger(self.folder, self.nbgrader.coursedir.db_url)
 
     # --- what a teacher does ------------------------------------------------------------------------------------------
 
@@ -85,7 +105,7 @@ class Course:
         """Make the notebook that learners get, also in the gradebook, and return its path."""
         released = self.folder / "release" / homework / self._source(homework).name
         before = released.read_bytes() if released.is_file() else None
-        problem = _problem(self._api.generate_assignment(homework))
+        problem = problem_of(self.nbgrader.generate_assignment(homework))
         if problem and before is not None:  # nbgrader has taken it away
             released.parent.mkdir(parents=True, exist_ok=True)
             released.write_bytes(before)
@@ -102,7 +122,7 @@ class Course:
         import nbformat
         from sqlalchemy.exc import SAWarning
 
-        path = self._released(homework)
+        path = self.released(homework)
         release = nbformat.read(path, as_version=4)
         known = self.learners
         unknown = sorted(set(learners or ()) - set(known))
@@ -118,13 +138,13 @@ class Course:
 
     def feedback(self, homework):
         """Write a page, without hidden tests, for everyone whose work was graded; {learner: its path}."""
-        name = self._released(homework).stem
+        name = self.released(homework).stem
         pages = {}
         for learner in self.learners:
             student = student_id(learner)
             if not (self.folder / "autograded" / student / homework / f"{name}.ipynb").is_file():
                 continue
-            problem = _problem(self._api.generate_feedback(homework, student))
+            problem = problem_of(self.nbgrader.generate_feedback(homework, student))
             remarks = [said for said in self.ledger.remarks(homework).get(learner, []) if not said.startswith(NO_PAGE)]
             if problem:
                 remarks.append(f"{NO_PAGE}: {printable(problem, 200)}")
@@ -156,14 +176,14 @@ class Course:
             submission = read_submission(submitted, release, name)
             remarks += submission.remarks
             self._lay_out(submitted, self.folder / CHECKED / student_id(learner) / homework, submission, name, remarks)
-            problem = _problem(self._api.autograde(homework, student_id(learner)))
+            problem = problem_of(self.nbgrader.autograde(homework, student_id(learner)))
         except Exception as error:  # whatever it is, the others' work is graded
             problem = f"{type(error).__name__}: {error}"
         if problem:
             remarks.append(f"It could not be graded and has no points: {printable(problem, 200)}")
             self.ledger.zero(homework, learner)
             with suppress(OSError):
-                self._show_release(homework, learner)
+                self._show_release(homework, learner, submitted)
         return remarks
 
     def _lay_out(self, submitted, place, submission, name, remarks):
@@ -196,18 +216,22 @@ class Course:
             remarks.append(f"Only the first {MOST_DATA} of its {len(data)} data files are used.")
         nbformat.write(submission.notebook, place / name)
 
-    def _show_release(self, homework, learner):
+    def _show_release(self, homework, learner, submitted):
         """Put the released notebook where the graded one would be, so that there is a feedback page."""
-        released = self._released(homework)
+        released = self.released(homework)
         place = self.folder / "autograded" / student_id(learner) / homework
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir(parents=True)
         shutil.copyfile(released, place / released.name)
+        for name in FOR_EXCHANGE:
+            with suppress(OSError, Unreadable):
+                (place / name).write_bytes(read_bytes(submitted / name, LARGEST_DATA))
 
     # --- nbgrader -----------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _api(self):
+    def nbgrader(self):
+        """The interface of nbgrader to this class: https://nbgrader.readthedocs.io/en/stable/api/high_level_api.html."""
         from nbgrader.apps import NbGraderAPI
         from nbgrader.utils import setenv
         from sqlalchemy.exc import SQLAlchemyError
@@ -216,6 +240,8 @@ class Course:
         settings = PyFileConfigLoader(SETTINGS.name, path=str(self.folder)).load_config()
         settings.CourseDirectory.root = str(self.folder)
         settings.CourseDirectory.submitted_directory = CHECKED
+        settings.ExchangeFactory.collect = "course_lib.classroom.collect.CollectOwn"
+        settings.ExchangeReleaseAssignment.force = True
         api = NbGraderAPI(config=settings)
         # To make a gradebook nbgrader calls `alembic`, which lies beside this Python and is found nowhere else unless
         # the environment is activated.
@@ -237,7 +263,7 @@ class Course:
             raise ValueError(f"source/{homework} must hold one notebook, and holds {len(notebooks)}")
         return notebooks[0]
 
-    def _released(self, homework):
+    def released(self, homework):
         """The path of a homework's released notebook."""
         path = self.folder / "release" / homework / self._source(homework).name
         if not path.is_file():
@@ -245,7 +271,7 @@ class Course:
         return path
 
 
-def _problem(result):
+def problem_of(result):
     """What went wrong according to nbgrader, in one line; None where nothing did."""
     if result["success"]:
         return None

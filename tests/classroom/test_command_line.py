@@ -12,7 +12,7 @@ from course_lib.classroom.__main__ import main
 from .school import HOMEWORK, NEARLY, NOTEBOOK, RIGHT, filled_in, hand_in, source_notebook
 
 NOTHING = "Nothing to grade: no notebook of this homework can be read."
-COMMANDS = ["new", "release", "autograde", "feedback", "grades", "template"]
+COMMANDS = ["new", "release", "collect", "autograde", "feedback", "grades", "template", "hub", "links"]
 
 
 def said(capsys, *arguments):

@@ -75,7 +75,7 @@ def test_what_sqlalchemy_warns_nbgrader_of_is_not_for_teachers(course, release):
 def test_a_teacher_who_stops_it_stops_it(course, release, monkeypatch):
     hand_in(course, "ann", HOMEWORK, release)
     stopped = {"success": False, "error": "Traceback\nKeyboardInterrupt\n"}
-    monkeypatch.setattr(type(course._api), "autograde", lambda *_: stopped)
+    monkeypatch.setattr(type(course.nbgrader), "autograde", lambda *_: stopped)
     with pytest.raises(KeyboardInterrupt):
         course.autograde(HOMEWORK)
 
@@ -101,7 +101,7 @@ def test_where_no_page_can_be_made_a_remark_says_so_until_it_can(course, release
     course.autograde(HOMEWORK)
     failed = {"success": False, "error": "Traceback\nValueError: no page today"}
     with monkeypatch.context() as patch:
-        patch.setattr(type(course._api), "generate_feedback", lambda *_: failed)
+        patch.setattr(type(course.nbgrader), "generate_feedback", lambda *_: failed)
         for _ in range(2):
             assert course.feedback(HOMEWORK) == {}
     said = ("No feedback page could be made: ValueError: no page today",)

@@ -101,6 +101,7 @@ class Dials:
     def __init__(self, stops, **at):
         self._stops = {name: (*stop, str)[:3] for name, stop in stops.items()}
         self._at = {name: list(self._stops[name][1]).index(at[name]) for name in self._stops}
+        self._first = dict(self._at)
 
     def __getattr__(self, name):
         at = self.__dict__.get("_at", {})
@@ -113,6 +114,10 @@ class Dials:
         if name not in self._at:
             raise ValueError(f"there is no control {name!r}; there are {', '.join(self._at)}")
         self._at[name] = whole_number(name, at, below=len(self._stops[name][1]))
+
+    def start_over(self, *names):
+        """Put these dials back to where they stood at first."""
+        self._at |= {name: self._first[name] for name in names}
 
     def _parts(self, name):
         label, values, write = self._stops[name]

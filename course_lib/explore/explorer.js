@@ -1,5 +1,5 @@
 // Shows an explorer's view and sends what is done to it. What the learner does is queued here, not in the kernel:
-// one message is under way at a time, and of several moves of one slider only the last is sent.
+// one message is under way at a time, and of several moves of one slider in a row only the last is sent.
 
 function element(name, attributes = {}, ...children) {
   const node = document.createElement(name);
@@ -11,35 +11,46 @@ function element(name, attributes = {}, ...children) {
 // JupyterLab would take arrows and letters for commands of its own; it asks the element that has the focus first.
 const KEYS_ARE_OURS = { "data-lm-suppress-shortcuts": "true" };
 
-let views = 0;
+const PATIENCE = 5000; // milliseconds without an answer, after which something is said
+const NO_ANSWER =
+  "No answer from Python. If another cell is running, wait for it; if the kernel was restarted, run this cell again.";
 
-function makeQueue(model, root) {
-  const name = `${Date.now()}-${views++}`;
+function makeQueue(model, root, sayLate) {
   const waiting = [];
   let sent = 0;
   let underWay = null;
+  let late = false;
   // Else a control that was moved is ahead of what the kernel says about it.
   const idle = () => underWay === null && !waiting.length;
 
+  function giveUp(id) {
+    if (underWay !== id) return;
+    late = true;
+    waiting.length = 0; // nobody wants to see them all happen at once, later
+    sayLate();
+  }
+
   function next() {
     if (underWay === null && waiting.length) {
-      underWay = `${name}-${sent++}`;
-      model.send({ id: underWay, do: waiting.shift() });
+      const id = `${root.dataset.ids}-${sent++}`;
+      underWay = id;
+      setTimeout(() => giveUp(id), PATIENCE);
+      model.send({ id, do: waiting.shift() });
     }
     root.dataset.idle = idle();
   }
   return {
     add(what, ...rest) {
-      if (what === "turn") {
-        const older = waiting.findIndex((entry) => entry[0] === what && entry[1] === rest[0]);
-        if (older >= 0) waiting.splice(older, 1);
-      }
+      if (late) return;
+      const last = waiting[waiting.length - 1];
+      if (what === "turn" && last && last[0] === what && last[1] === rest[0]) waiting.pop();
       waiting.push([what, ...rest]);
       next();
     },
     answered(id) {
       if (id !== underWay) return;
       underWay = null;
+      late = false;
       next();
     },
     idle,
@@ -50,7 +61,7 @@ function makeQueue(model, root) {
 
 function slider(spec, queue) {
   const input = element("input", { type: "range", min: 0, step: 1, ...KEYS_ARE_OURS });
-  const shown = element("output");
+  const shown = element("span", { class: "ce-value", "aria-hidden": "true" }); // the input says it itself
   let texts = [];
   const say = () => {
     shown.textContent = texts[input.value];
@@ -124,53 +135,58 @@ const MAKERS = { slider, choice, switch: toggle, button };
 
 const KEYS = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 
-function panel(spec, queue) {
-  const picture = element("div", { class: spec.svg ? "ce-picture" : "ce-text" });
+function panel(spec, queue, ids) {
+  const ours = spec.board ? KEYS_ARE_OURS : {};
+  const picture = element("div", { class: spec.svg ? "ce-picture" : "ce-text", ...ours });
   const node = element("div", { class: "ce-panel", "data-panel": spec.name }, picture);
-  const words = element("p", { id: `ce-${Date.now()}-${spec.name}`, hidden: "" }); // read out, not shown
+  const words = element("p", { id: `${ids}-${spec.name}-words`, hidden: "" }); // read out, not shown
   let drawn = null;
   if (spec.board) {
     picture.tabIndex = 0;
     picture.setAttribute("role", "application");
-    picture.setAttribute(...Object.entries(KEYS_ARE_OURS)[0]);
+    picture.setAttribute("aria-label", spec.board);
     picture.setAttribute("aria-describedby", words.id);
     picture.classList.add("ce-board");
     picture.addEventListener("keydown", (event) => {
       if (!KEYS.includes(event.key) || event.altKey || event.ctrlKey || event.metaKey) return;
       event.preventDefault();
-      queue.add("arrow", event.key);
+      if (!event.repeat || queue.idle()) queue.add("arrow", event.key); // a key held down does not queue up
     });
-    picture.addEventListener("pointerdown", (event) => {
-      const cell = event.target.closest("[data-cell]");
-      if (cell) queue.add("choose", Number(cell.dataset.cell));
+    picture.addEventListener("click", (event) => {
+      // The picture may have been drawn anew between the button's press and its release.
+      const cell = document.elementFromPoint(event.clientX, event.clientY)?.closest("[data-cell]");
+      if (cell && picture.contains(cell)) queue.add("choose", Number(cell.dataset.cell));
     });
-    node.append(element("p", { class: "ce-hint" }, spec.board), words);
+    node.append(element("p", { class: "ce-hint", "aria-hidden": "true" }, spec.board), words);
   } else if (spec.svg) picture.setAttribute("role", "img");
   return {
     node,
     show(view) {
-      const markup = view.svg || view.html;
+      // Patterns are found by their ids in the whole page, and in a hidden notebook they fill nothing.
+      const markup = view.svg.replace(/(\bid="|url\(#)/g, `$1${ids}-${view.name}-`) || view.html;
       if (markup !== drawn) picture.innerHTML = drawn = markup;
-      if (view.board) {
-        picture.setAttribute("aria-label", view.board);
-        words.textContent = view.words;
-      } else if (view.svg) picture.setAttribute("aria-label", view.words);
+      if (view.board) words.textContent = view.words;
+      else if (view.svg) picture.setAttribute("aria-label", view.words);
     },
   };
 }
 
-// Shows a list of things; makes them anew only where their names or kinds have changed, which would cost the focus.
+// Shows a list of things; what stays is not touched, since that would cost the focus.
 function makeList(place, make, identity) {
-  let made = [];
-  let names = "";
+  const made = new Map();
   return (specs) => {
-    const now = JSON.stringify(specs.map(identity));
-    if (now !== names) {
-      names = now;
-      made = specs.map(make);
-      place.replaceChildren(...made.map((one) => one.node));
+    const names = specs.map((spec) => JSON.stringify(identity(spec)));
+    for (const [name, one] of made) {
+      if (names.includes(name)) continue;
+      one.node.remove();
+      made.delete(name);
     }
-    specs.forEach((spec, i) => made[i].show(spec));
+    specs.forEach((spec, i) => {
+      if (!made.has(names[i])) made.set(names[i], make(spec));
+      const one = made.get(names[i]);
+      if (place.children[i] !== one.node) place.insertBefore(one.node, place.children[i] ?? null);
+      one.show(spec);
+    });
   };
 }
 
@@ -181,15 +197,16 @@ function render({ model, el }) {
   const message = element("p", { class: "ce-message", role: "status" });
   const bar = element("progress", { max: 1, "aria-label": "progress" });
   const root = element("div", { class: "course-explorer", role: "group", ...KEYS_ARE_OURS });
-  root.dataset.idle = true;
+  const ids = `ce-${Math.random().toString(36).slice(2)}`; // no other explorer in the page has the same
+  Object.assign(root.dataset, { ids, idle: true });
   root.append(title, controls, bar, message, panels);
   el.append(root);
-  const queue = makeQueue(model, root);
+  const queue = makeQueue(model, root, () => (message.textContent = NO_ANSWER));
 
   const showControls = makeList(controls, (spec) => MAKERS[spec.kind](spec, queue), (spec) => [spec.kind, spec.name]);
   const showPanels = makeList(
     panels,
-    (spec) => panel(spec, queue),
+    (spec) => panel(spec, queue, ids),
     (spec) => [spec.name, Boolean(spec.svg), spec.board],
   );
   const show = {
@@ -208,6 +225,7 @@ function render({ model, el }) {
     },
     answered() {
       queue.answered(model.get("answered"));
+      show.message();
       if (queue.idle()) showControls(model.get("controls"));
     },
   };

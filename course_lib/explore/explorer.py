@@ -16,7 +16,7 @@ whatever was moved meanwhile is heard. Newer work takes the place of older.
 import base64
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from html import escape
 from pathlib import Path
 
@@ -26,6 +26,7 @@ import traitlets
 from course_lib.maze import Action
 
 _HERE = Path(__file__).parent
+_DEEDS = ("turn", "press", "choose", "arrow")
 _OVER = object()
 _PAUSE = 0.005  # seconds between two steps of longer work, in which whoever waits for the lock gets it
 _KEYS = {"ArrowUp": Action.UP, "ArrowDown": Action.DOWN, "ArrowLeft": Action.LEFT, "ArrowRight": Action.RIGHT}
@@ -58,8 +59,12 @@ class Explorer(anywidget.AnyWidget):
         what   "turn" (a name and the number of a stop), "press" (a name), "choose" (a cell) or "arrow" (a key's name).
         `ValueError` for what the state does not know. Longer work goes on in a thread; `wait` waits for its end.
         """
-        if what not in ("turn", "press", "choose", "arrow"):
-            raise ValueError(f"an explorer can turn, press, choose and arrow, got {what!r}")
+        if what not in _DEEDS or len(at) != (what == "turn"):
+            raise ValueError(
+                f"an explorer can {', '.join(_DEEDS)}, and only turn takes a stop, got {(what, name, *at)}"
+            )
+        if not hasattr(self.state, what):
+            raise ValueError(f"this explorer has no board to {what} on")
         if what == "arrow":
             if name not in _KEYS:
                 raise ValueError(f"the keys of a board are {', '.join(_KEYS)}, got {name!r}")
@@ -93,11 +98,12 @@ class Explorer(anywidget.AnyWidget):
         return (bundle, *rest)
 
     def _hear(self, _, content, buffers):  # noqa: ARG002 (ipywidgets' signature)
-        try:
-            with self._faults_are_told():
-                self.do(*content["do"])
-        finally:
-            self.answered = content["id"]
+        with self._lock:  # a thread that draws would send what is set meanwhile, or lose it
+            try:
+                with self._faults_are_told():
+                    self.do(*content["do"])
+            finally:
+                self.answered = content["id"]
 
     @contextmanager
     def _faults_are_told(self):
@@ -105,7 +111,10 @@ class Explorer(anywidget.AnyWidget):
         try:
             yield
         except Exception as error:
-            self.message = f"That went wrong: {error}"
+            with self._lock, suppress(Exception):  # if it cannot even be drawn, the old picture stays
+                self._draw()
+            with self._lock:
+                self.message = f"That went wrong: {error}"
             raise
 
     def _draw(self):

@@ -1,20 +1,20 @@
 """Lesson 3, the Q-learning explorer: a hundred agents learn from scratch at every move of a slider."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from course_lib.bellman import value_iteration
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import Board
+from course_lib.explore.drawing.board import Board, small_maze
 from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.explorer import Explorer
-from course_lib.explore.mouse import kept_walks
-from course_lib.explore.td_update import own_maze, plain, table_in_words, value_span
+from course_lib.explore.mouse import KEPT_IN, checked_walks, kept_walks
+from course_lib.explore.worlds import counted, own_maze, plain, table_in_words, value_span
 from course_lib.maze import Action, Tile
 from course_lib.plots.board import ALIKE, acting_states, best_actions, short
 from course_lib.q_table import train_side_by_side
-from course_lib.validate import number, whole_number
 
 NUM_AGENTS, NUM_EPISODES = 100, 100
 MAX_STEPS = 200  # of an episode: nothing more is to be seen in longer ones, and they would keep one waiting
@@ -47,7 +47,8 @@ class Trained:
 class QLearning:
     """A hundred `QAgent`s with seeds 0 to 99, trained anew for a hundred episodes at every move of a slider.
 
-    maze     a `Maze`, by default the course's, in which a bump costs 1 and the walk goes on, as in lesson 0
+    maze     a `Maze` of at most 8 x 8 cells, by default the course's, in which a bump costs 1 and the walk goes on, as
+             in lesson 0
     walks    (returns, lengths) of walks to be drawn beside the agents'; by default those kept from lesson 0 in the
              current folder, which are read when the learner asks for them
     trained  what came of the last training, a `Trained`
@@ -56,8 +57,8 @@ class QLearning:
     title = "The Q-learning explorer"
 
     def __init__(self, maze=None, walks=None):
-        self._given = None if walks is None else _checked_walks(walks)
-        self.maze, self.walks = own_maze(maze), self._given
+        self._given = None if walks is None else _given(walks)
+        self.maze, self.walks = own_maze(None if maze is None else small_maze(maze)), self._given
         self.dials = Dials(
             {
                 "alpha": ("learning rate α", (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), plain),
@@ -76,11 +77,17 @@ class QLearning:
         self.dials.turn(name, at)
         if name != "curve":
             self._retrain()
+        else:
+            self.message = f"The curve shows the {self.dials.curve}. {self._last_episode()}"
 
     def press(self, name):
-        """Show or hide the learner's own "walks"."""
-        if name != "walks":
-            raise ValueError(f"the only button is walks, got {name!r}")
+        """Show or hide the learner's own "walks", or put the sliders back to where they stood at "first"."""
+        if name not in ("walks", "first"):
+            raise ValueError(f"the buttons are walks and first, got {name!r}")
+        if name == "first":
+            self.dials.start_over(*_SLIDERS)
+            self._retrain()
+            return
         if self.walks is not None:
             self.walks = None
             self._tell()
@@ -88,16 +95,18 @@ class QLearning:
         self.walks = kept_walks() if self._given is None else self._given
         if self.walks is None:
             self.message = "There are no walks of yours yet: play lesson 0, and your curve appears here."
+            if Path(KEPT_IN).exists():
+                self.message = f"{KEPT_IN} cannot be read as walks: play lesson 0 again, and it is written anew."
             return
         (*_, reward), (*_, moves) = self.walks
         self.message = f"Your walks in lesson 0 are drawn as squares, {len(self.walks[0])} of them. The last one took"
-        self.message += f" {moves} moves and had a reward of {reward:+g}."
+        self.message += f" {counted(moves, 'move')} and had a reward of {reward:+g}."
 
     def view(self):
         """The learning curve of all agents, and the table of one."""
         sliders = [self.dials.slider(name) for name in _SLIDERS]
         label = "show my walks from lesson 0" if self.walks is None else "hide my walks"
-        controls = (*sliders, self.dials.choice("curve"), Button("walks", label))
+        controls = (*sliders, self.dials.choice("curve"), Button("walks", label), Button("first", "as at first"))
         return View(controls, (self._curve(), self._table()), self.message)
 
     def _retrain(self):
@@ -109,16 +118,24 @@ class QLearning:
     def _tell(self):
         """The message: how the walks end, how good the tables are, and what the middle agent believes."""
         trained = self.trained
-        low, middle, high = map(short, np.percentile(trained.moves[:, -1], (5, 50, 95)))
         does = "lead straight to the cheese"
         if trained.world.slip and trained.exact_q is not None:
-            does = f"earn at least {_NEARLY:.0%} of the best possible return".replace("%", "\u00a0%")
-        self.message = f"Episode {NUM_EPISODES}: {middle} moves in the median (5 to 95\u00a0%: {low} to {high})."
-        self.message += f" Without exploring, {trained.good.sum()} of {NUM_AGENTS} tables {does}."
+            does = f"earn at least {_NEARLY:.0%} of the best possible return"
+            if trained.exact_q[trained.world.start].max() <= 0:
+                does = f"come within {1 - _NEARLY:.0%} of the best possible return"
+        self.message = f"{self._last_episode()} Without exploring, {trained.good.sum()} of {NUM_AGENTS} tables"
+        self.message += f" {does}.".replace("%", "\u00a0%")
         self.message += f" The start is worth {self._middle_table[trained.world.start].max():z.3f} to the middle agent"
         if trained.exact_q is not None:
             self.message += f", exactly {trained.exact_q[trained.world.start].max():z.3f}"
         self.message += "."
+
+    def _last_episode(self):
+        """The last numbers of the curve, in words."""
+        runs = self.trained.moves if self.dials.curve == _MOVES else self.trained.rewards
+        low, middle, high = map(short, np.percentile(runs[:, -1], (5, 50, 95)))
+        much = counted(middle, "move") if self.dials.curve == _MOVES else f"a reward of {middle}"
+        return f"Episode {NUM_EPISODES}: {much} in the median (5 to 95\u00a0%: {low} to {high})."
 
     @property
     def _middle_table(self):
@@ -131,11 +148,12 @@ class QLearning:
         best, episodes = self._best[name], np.arange(1, NUM_EPISODES + 1)
         look = {"x": (0, 1.03 * NUM_EPISODES), "xlabel": "episode", "height": 230, "legend": 2}
         if name == _MOVES:
-            span = (0.72 * min([best or 1.0, *yours]), 1.15 * max([MAX_STEPS, *yours]))
+            known = yours if best is None else [best, *yours]
+            span = (0.72 * min([low.min(), *known]), 1.15 * max([MAX_STEPS, *known]))
             unit = f"moves, on a log scale; walks are cut off at {MAX_STEPS}"
             chart = Chart("Learning curve: moves", y=span, ylabel=unit, log=True, **look)
         else:
-            floor = min([low.min(), -1.0, *yours])
+            floor = min([low.min(), best or 0.0, -1.0, *yours])
             floor = next(f for f in (-5, -10, -20, -50, -100, -200, -500, -1000, floor) if f <= floor)
             top = max([high.max(), best or 0.0, *yours])
             unit = f"reward; walks are cut off at {MAX_STEPS} moves"
@@ -147,6 +165,8 @@ class QLearning:
         words += "; ".join(f"episode {i}: {_three(middle, low, high, i)}" for i in (1, 5, 10, 25, 50, 100)) + "."
         if best is not None:
             kind = "fewest possible" if name == _MOVES else "best possible"
+            if name == _MOVES and self.maze.wall_ends_episode:
+                kind = "fewest to the cheese"  # a bump may end a walk sooner
             kind += ", on average" * (self.dials.slip > 0)
             chart.rule(best, f"{kind}: {short(best)}", above=name != _MOVES)
             words += f" Dotted line, {kind}: {short(best)}."
@@ -182,7 +202,8 @@ def q_learning(maze=None, walks=None):
     """A hundred agents that learn anew at every move of a slider, by default in lesson 0's maze.
 
     walks   (returns, lengths) of walks to draw beside their curve; by default lesson 0's, once the learner asks for
-            them. `ValueError` for what is no `Maze`, and for walks that do not fit together.
+            them. `ValueError` for what is no `Maze`, for one of more than 8 rows or columns, and for walks that do
+            not fit together.
     """
     return Explorer(QLearning(maze, walks))
 
@@ -195,7 +216,8 @@ def _train(world, num_agents, *, gamma, **settings):
     middle = int(np.argsort(tables[:, world.start].max(axis=1), kind="stable")[(num_agents - 1) // 2])
     exact = _solution(world, gamma)
     if world.slip and exact is not None:
-        good = returns_of(world, tables, gamma) >= _NEARLY * exact.values[world.start]
+        best = exact.values[world.start]
+        good = returns_of(world, tables, gamma) >= best - (1 - _NEARLY) * abs(best) - 1e-9
     else:
         good = leads_straight(world, tables)
     return Trained(world, moves, rewards, tables, middle, None if exact is None else exact.q, good)
@@ -249,7 +271,10 @@ def greedy_way(world, table):
             return way, f"it runs in a circle through cell {state}"
         seen.add(state)
         way.append((state, int(best[0])))
-        state = int(world.mdp.next_state[state, best[0], 0])
+        ahead, over = int(world.mdp.next_state[state, best[0], 0]), world.mdp.terminal[state, best[0], 0]
+        if over and ahead not in world.goals:
+            return way, f"a bump in cell {state} ends it"
+        state = ahead
     return way, "to the cheese"
 
 
@@ -305,14 +330,9 @@ def _three(middle, low, high, episode):
     return f"{short(middle[episode - 1])} ({short(low[episode - 1])} to {short(high[episode - 1])})"
 
 
-def _checked_walks(walks):
-    """(returns float64[N], lengths int64[N]) of a learner's walks; `ValueError` where they do not fit together."""
+def _given(walks):
     try:
         returns, lengths = walks
-        returns = np.array([number("return", value) for value in returns])
-        lengths = np.array([whole_number("length", value, at_least=1) for value in lengths], np.int64)
-    except TypeError:
+    except (TypeError, ValueError):
         raise ValueError(f"walks must be (returns, lengths), got {walks!r}") from None
-    if not 0 < len(returns) == len(lengths):
-        raise ValueError(f"walks must be as many returns as lengths, got {len(returns)} and {len(lengths)}")
-    return returns, lengths
+    return checked_walks(returns, lengths)

@@ -8,8 +8,9 @@ import numpy as np
 from course_lib.explore.controls import Button, Panel, View
 from course_lib.explore.drawing.board import ARROWS, Board, place, small_maze
 from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.worlds import counted, own_maze
 from course_lib.files import write_whole
-from course_lib.maze import Action, Maze, Tile
+from course_lib.maze import Action, Tile
 from course_lib.validate import number, whole_number
 
 KEPT_IN = "my_mouse.json"
@@ -28,13 +29,14 @@ class BlindMaze:
     title = "Be the mouse"
 
     def __init__(self, maze=None, *, keep=None):
-        self.maze = Maze(wall_ends_episode=False) if maze is None else small_maze(maze, most=20)
-        self.keep = keep
+        self.maze = own_maze(maze if maze is None else small_maze(maze, most=20))
+        self.keep, self._earlier = keep, None
         self._forget()
 
     def press(self, name):
         """Move the mouse by the name of an action in small letters, or "forget" everything."""
         if name == "forget":
+            self._earlier = ([], [])
             self._forget()
         elif name.upper() in Action.__members__:
             self.arrow(Action[name.upper()])
@@ -55,15 +57,20 @@ class BlindMaze:
             self.seen[ahead] = self.seen[ahead] or not self.maze.slip  # who slips does not know where the wall is
         elif self.cell == before:
             felt = "the edge of the maze, you stay where you are"
-        self.message = f"{action.name.capitalize()}: {felt} ({reward:+g}). You are in {place(self.maze, self.cell)}."
+        self.message = (
+            f"Move {self.moves}, {action.name.lower()}: {felt} ({reward:+g}). You are in {place(self.maze, self.cell)}."
+        )
         if terminated:
             self._end()
 
     def choose(self, cell):
-        """Move the mouse to a cell beside its own; it does not jump further."""
+        """Move the mouse to a cell beside its own; it does not jump further. `ValueError` for what is no cell."""
+        cell = whole_number("cell", cell, below=self.maze.grid.size)
         ways = [action for action in Action if self.maze.cell_ahead(self.cell, action) == cell != self.cell]
         if ways:
             self.arrow(ways[0])
+        elif cell == self.cell:
+            self.message = f"You are in cell {cell}. Now the arrow keys work."
         else:
             self.message = f"From cell {self.cell} there is no single move to cell {cell}."
 
@@ -88,27 +95,39 @@ class BlindMaze:
         self.returns.append(self.reward)
         self.lengths.append(self.moves)
         bumped = "" if self.maze.grid.flat[self.cell] == Tile.GOAL else " The walk is over."
-        self.message += f"{bumped} Walk {len(self.returns)}: {_moves(self.moves)}, reward {self.reward:+g}."
-        self.message += " Back to the start: can you do better?"
+        self.message += f"{bumped} Walk {len(self.returns)}: {counted(self.moves, 'move')}, reward {self.reward:+g}."
+        self.message += " You are back at the start."
         self._begin()
         if self.keep is not None:
-            try:
-                keep_walks(self.keep, self.returns, self.lengths)
-            except (OSError, ValueError) as error:
-                self.message += f" (Your walks could not be kept: {error})"
+            self._keep_walks()
+
+    def _keep_walks(self):
+        """Those from before this explorer was made, too: running the cell again costs nothing."""
+        if self._earlier is None:
+            self._earlier = [walks.tolist() for walks in kept_walks(self.keep) or (np.empty(0), np.empty(0))]
+        returns, lengths = self._earlier
+        try:
+            keep_walks(self.keep, [*returns, *self.returns], [*lengths, *self.lengths])
+        except (OSError, ValueError) as error:
+            self.message += f" (Your walks could not be kept: {error})"
+
+    @property
+    def _walls(self):
+        return self.maze.grid.ravel() == Tile.WALL
 
     def _map(self):
-        board = Board(self.maze, f"Walk {len(self.returns) + 1}: {_moves(self.moves)}, reward {self.reward:+g}")
+        board = Board(
+            self.maze, f"Walk {len(self.returns) + 1}: {counted(self.moves, 'move')}, reward {self.reward:+g}"
+        )
         board.tiles(self.seen)
         board.cheese([goal for goal in self.maze.goals if self.seen[goal]])
         for unknown in np.flatnonzero(~self.seen):
             board.note(unknown, "?", down=0.0, size=16)
         board.note(self.maze.start, "start")
         board.mouse(self.cell)
-        walls = np.flatnonzero(self.seen & (self.maze.grid.ravel() == Tile.WALL))
         words = f"The mouse is in {place(self.maze, self.cell)}."
-        words += f" {self.seen.sum()} of {self.maze.grid.size} cells are known."
-        words += f" Walls: {', '.join(map(str, walls)) or 'none found yet'}."
+        known = [", ".join(map(str, np.flatnonzero(self.seen & kind))) for kind in (~self._walls, self._walls)]
+        words += f" Known floor: cells {known[0]}. Known walls: {known[1] or 'none yet'}."
         how = "The dark maze: walk with the arrow keys, or click the next cell."
         return Panel("map", words, board.svg(), board=how)
 
@@ -119,19 +138,18 @@ class BlindMaze:
             "Your learning curve", x=(0.5, walks + 0.5), y=(0, most), xlabel="walk",
             ylabel="moves; beside each: reward", height=230, legend=1,
         )  # fmt: skip
-        chart.legend("one walk to the cheese", 0, kind="circle")
+        chart.legend("one walk", 0, kind="circle")
         at = np.arange(1, len(self.returns) + 1)
         if len(at):
             chart.line(at, self.lengths, 0, stroke_opacity=0.5)
             chart.points(at, self.lengths)
             for walk, moves, reward in list(zip(at, self.lengths, self.returns, strict=True))[-_SHOWN_WALKS:]:
                 chart.note(walk, moves, f"{reward:+g}")
-        told = [f"walk {i}: {_moves(n)}, reward {r:+g}" for i, n, r in zip(at, self.lengths, self.returns, strict=True)]
+        told = [
+            f"walk {i}: {counted(n, 'move')}, reward {r:+g}"
+            for i, n, r in zip(at, self.lengths, self.returns, strict=True)
+        ]
         return Panel("curve", f"Your learning curve. {'; '.join(told) or 'No walk is finished yet'}.", chart.svg())
-
-
-def _moves(number):
-    return f"{number} move" + "s" * (number != 1)
 
 
 def keep_walks(path, returns, lengths):
@@ -143,8 +161,18 @@ def kept_walks(path=KEPT_IN):
     """(returns float64[N], lengths int64[N]) as `keep_walks` wrote them; None without such a file, or a foreign one."""
     try:
         kept = json.loads(Path(path).read_text(encoding="utf-8"))
-        returns = np.array([number("return", value) for value in kept["returns"]])
-        lengths = np.array([whole_number("length", value, at_least=1) for value in kept["lengths"]], np.int64)
+        return checked_walks(kept["returns"], kept["lengths"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
-    return (returns, lengths) if 0 < len(returns) == len(lengths) else None
+
+
+def checked_walks(returns, lengths):
+    """(float64[N], int64[N]) of at least one walk; `ValueError` for what cannot be the returns and lengths of walks."""
+    try:
+        returns = np.array([number("return", value) for value in returns])
+        lengths = np.array([whole_number("length", value, at_least=1) for value in lengths], np.int64)
+    except TypeError:
+        raise ValueError(f"walks must be lists of returns and of lengths, got {returns!r} and {lengths!r}") from None
+    if not 0 < len(returns) == len(lengths):
+        raise ValueError(f"walks need as many returns as lengths, got {len(returns)} and {len(lengths)}")
+    return returns, lengths

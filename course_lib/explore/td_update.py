@@ -6,9 +6,10 @@ from html import escape
 import numpy as np
 
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import ARROWS, SIGNS, Board, place
+from course_lib.explore.drawing.board import ARROWS, SIGNS, Board, place, small_maze
 from course_lib.explore.explorer import Explorer
-from course_lib.maze import Action, Maze
+from course_lib.explore.worlds import counted, own_maze, plain, table_in_words, value_span
+from course_lib.maze import Action
 from course_lib.plots.board import acting_states
 from course_lib.q_table import QAgent
 from course_lib.validate import whole_number
@@ -50,7 +51,8 @@ class Update:
 class OneUpdate:
     """A mouse that learns while one watches: QAgent's draws and arithmetic, a step at a time.
 
-    maze      a `Maze`, by default the course's, in which a bump costs 1 and the walk goes on; seed: the agent's
+    maze      a `Maze` of at most 8 x 8 cells, by default the course's, in which a bump costs 1 and the walk goes on;
+              seed: the agent's
     q_table   float64[S, A]; state: where the mouse is; episode and moves: which one it plays, and its moves so far
     last      the last `Update`, or None; updates: how many there were
     """
@@ -58,7 +60,8 @@ class OneUpdate:
     title = "One update at a time"
 
     def __init__(self, maze=None, *, seed=0):
-        self.maze, self.seed = own_maze(maze), whole_number("seed", seed)
+        self.maze = own_maze(None if maze is None else small_maze(maze))
+        self.seed = whole_number("seed", seed)
         self.dials = Dials(
             {
                 "alpha": ("learning rate α", (0.01, 0.05, 0.1, 0.2, 0.5, 1.0), plain),
@@ -152,7 +155,7 @@ class OneUpdate:
         self.message += f" Q({state}, {_name(action)}): {_text(old)} → {_text(self.last.new)}."
         if terminated or self.last.truncated:
             end = "is over" if terminated else "was cut off"
-            self.message += f" Episode {self.episode} {end} after {self.moves} move{'s' * (self.moves != 1)}, reward"
+            self.message += f" Episode {self.episode} {end} after {counted(self.moves, 'move')}, reward"
             self.message += f" {_text(self.reward)}. The mouse is back at the start."
             self.state, _ = self.maze.reset()
             self.episode, self.moves, self.reward = self.episode + 1, 0, 0.0
@@ -167,7 +170,7 @@ class OneUpdate:
         return f"to cell {last.next_state}{cheese} (r = {_text(last.reward)})"
 
     def _board(self):
-        board = Board(self.maze, f"Q in episode {self.episode}, after {self.moves} move{'s' * (self.moves != 1)}")
+        board = Board(self.maze, f"Q in episode {self.episode}, after {counted(self.moves, 'move')}")
         board.tiles()
         board.wedges(self.q_table, *value_span(self.maze), written="{:z.2f}")
         board.cheese()
@@ -224,41 +227,9 @@ def one_update(maze=None):
     """Q-learning a step at a time, every number of the update put in; by default in lesson 0's maze.
 
     The steps are those of `QAgent(maze, seed=0)`, or the learner's own by the arrow keys. `ValueError` for what is no
-    `Maze`.
+    `Maze`, and for one of more than 8 rows or columns.
     """
     return Explorer(OneUpdate(maze))
-
-
-def own_maze(maze, **changed):
-    """A maze of one's own by the same rules, since to walk in it changes it; None: the course's, where bumps cost 1.
-
-    changed   rules that are to be others. `ValueError` for what is no `Maze`.
-    """
-    if maze is None:
-        return Maze(**{"wall_ends_episode": False} | changed)
-    if not isinstance(maze, Maze):
-        raise ValueError(f"a Maze is needed, got a {type(maze).__name__}")
-    return Maze(**maze.spec.kwargs | changed)
-
-
-def value_span(maze):
-    """(lowest, highest) of the colours of a table: from 0 or the worst reward to 0 or the best one."""
-    return min(0.0, float(maze.mdp.reward.min())), max(0.0, float(maze.mdp.reward.max()))
-
-
-def table_in_words(maze, q):
-    """All that differs from 0 in a table float[S, A], cell by cell."""
-    told = []
-    for s in acting_states(maze):
-        known = [f"{_name(a)} {q[s, a]:z.2f}" for a in Action if q[s, a]]
-        if known:
-            told.append(f"cell {s}: {', '.join(known)}")
-    return f"Q, where it is not 0: {'; '.join(told)}." if told else "All of Q is 0."
-
-
-def plain(value):
-    """A slider's value as it is written."""
-    return f"{value:g}"
 
 
 def _name(action):

@@ -141,7 +141,8 @@ class Hands:
                     return input.localName === "select" ? input.selectedIndex : input.textContent;
                 }),
                 panels: [...root.querySelectorAll(".ce-panel")].map((panel) => ({
-                    markup: panel.firstElementChild.innerHTML,
+                    markup: panel.firstElementChild.innerHTML.replaceAll(
+                        `${root.dataset.ids}-${panel.dataset.panel}-`, ""),
                     words: (panel.querySelector("[hidden]") || {}).textContent
                         ?? panel.firstElementChild.getAttribute("aria-label"),
                 })),

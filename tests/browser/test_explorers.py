@@ -118,13 +118,49 @@ def test_twenty_fast_moves_end_at_the_last_value(explorers):
 
 def test_pressing_fast_loses_no_press(explorers):
     for hands in explorers[1]:
-        for control in controls_of(hands, "button")[:1]:
+        for control in [button for button in controls_of(hands, "button") if not button["idle"]][:1]:
             hands.control(control["name"]).focus()
-            for _ in range(10):
+            for _ in range(11):
                 hands.page.keyboard.press("Enter")
-            for _ in range(10):
+            for _ in range(11):
                 hands.do("press", control["name"])
-            hands.assert_alike(f"ten presses of {control['name']}")
+            hands.assert_alike(f"eleven presses of {control['name']}")
+
+
+def test_what_is_done_fast_is_done_in_its_order(explorers):
+    """A slider moved after a press has no say in what was pressed."""
+    for hands in explorers[1]:
+        slider, button = (controls_of(hands, kind)[:1] for kind in ("slider", "button"))
+        if not slider or not button or button[0]["idle"]:
+            continue
+        (slider,), (button,) = slider, button
+        place, press = hands.control(slider["name"]), hands.control(button["name"])
+        # All in one go of the browser, so that the kernel answers none of them in between.
+        place.evaluate(
+            """(slider, button) => {
+                const put = (at) => { slider.value = at; slider.dispatchEvent(new Event("input", { bubbles: true })); };
+                for (const at of [0, 1, 2]) put(at);
+                button.click();
+                for (const at of [2, 1]) put(at);
+            }""",
+            press.element_handle(),
+        )
+        for what in (("turn", 0), ("turn", 2), ("press",), ("turn", 1)):
+            name = button["name"] if what[0] == "press" else slider["name"]
+            hands.do(what[0], name, *what[1:])
+        hands.assert_alike("a press between moves")
+
+
+def test_a_key_held_down_does_not_queue_up(explorers):
+    for hands in explorers[1]:
+        for board in hands.board.all():
+            asked = """(board, key) => {
+                for (let i = 0; i < 50; i++)
+                    board.dispatchEvent(new KeyboardEvent("keydown", { key, repeat: i > 0, bubbles: true }));
+            }"""
+            board.evaluate(asked, "ArrowRight")
+            hands.do("arrow", "ArrowRight")
+            hands.assert_alike("a key held down while the kernel was busy")
 
 
 @pytest.mark.parametrize("theme", THEMES)
@@ -151,15 +187,79 @@ def test_nothing_is_too_wide_after_all_that(explorers):
 def test_arrow_keys_leave_the_notebook_alone(explorers):
     """JupyterLab would take them for its own, and go to another cell."""
     for hands in explorers[1]:
-        focusable = hands.board if hands.board.count() else hands.root.locator("input[type=range]")
-        if focusable.count():
-            place = focusable.first
+        sliders = [hands.control(control["name"]) for control in controls_of(hands, "slider")[:1]]
+        for place in [*hands.board.all(), *sliders]:
             place.focus()
             for key in ARROWS:
                 hands.page.keyboard.press(key)
                 assert place.evaluate("node => node === document.activeElement"), f"{key} has taken the focus away"
+        for _ in hands.board.all():
+            for key in ARROWS:
+                hands.do("arrow", key)
+        for place in sliders:
+            hands.do("turn", controls_of(hands, "slider")[0]["name"], int(place.input_value()))
+        hands.assert_alike("arrow keys")
+
+
+def test_a_click_with_another_button_does_nothing(explorers):
+    for hands in explorers[1]:
+        for board in hands.board.all():
+            before = hands.seen()
+            board.locator('[data-cell="5"]').first.click(button="right", force=True)
+            hands.page.keyboard.press("Escape")
+            hands.page.wait_for_timeout(100)
+            hands.wait()
+            assert hands.seen() == before
+
+
+def test_every_pattern_is_found_in_its_own_picture(explorers):
+    """One in another picture fills nothing while that one is hidden."""
+    for hands in explorers[1]:
+        lost = hands.root.evaluate(
+            """root => [...root.querySelectorAll('[fill^="url("]')].filter((shape) => {
+                const pattern = document.getElementById(shape.getAttribute("fill").slice(5, -1));
+                return !pattern || !shape.closest("svg").contains(pattern);
+            }).length"""
+        )
+        assert lost == 0
+    names = explorers[0].lab.page.evaluate(
+        "[...document.querySelectorAll('.course-explorer [id]')].map((node) => node.id)"
+    )
+    assert len(set(names)) == len(names), "an id is given twice"
 
 
 def test_the_browser_does_not_complain(explorers):
     assert explorers[0].complaints == []
     assert [error for cell in explorers[0].look()["cells"] for error in cell["errors"] + cell["warnings"]] == []
+
+
+def test_controls_that_come_and_go_leave_the_focus_where_it_is(explorers):
+    for hands in explorers[1]:
+        for control in controls_of(hands, "choice"):
+            for _ in control["texts"]:
+                at = (hands.twin.state.view().control(control["name"]).at + 1) % len(control["texts"])
+                place = hands.control(control["name"])
+                place.focus()
+                place.select_option(index=at)
+                hands.do("turn", control["name"], at)
+                hands.assert_alike(control["name"])
+                assert place.evaluate("node => node === document.activeElement"), control["name"]
+
+
+def test_a_kernel_that_is_gone_is_told(explorers):
+    """Last, since it ends the kernel."""
+    notebook, all_hands = explorers
+    hands = all_hands[0]
+    notebook.lab.page.evaluate("void window.jupyterapp.commands.execute('kernelmenu:restart')")
+    notebook.lab.page.locator(".jp-Dialog .jp-mod-accept").click()
+    hands.page.locator(".jp-Dialog").wait_for(state="detached")
+    hands.page.wait_for_timeout(3000)  # the old kernel may still say that it is idle
+    notebook.wait_for_kernel()
+    name, press = next((one["name"], one["kind"]) for one in hands.twin.controls if not one.get("idle"))
+    hands.control(name).focus()
+    hands.page.keyboard.press(KEY_OF[press])
+    hands.page.wait_for_function(
+        "number => document.querySelectorAll('.ce-message')[number].textContent.startsWith('No answer from Python')",
+        arg=hands.number,
+        timeout=20_000,
+    )

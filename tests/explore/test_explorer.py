@@ -100,7 +100,10 @@ def test_a_picture_comes_before_the_answer_to_its_wish(explorer):
 
 @pytest.mark.parametrize(
     "do",
-    [("press", "broken"), ("jump", "up"), ("arrow", "Enter"), ("turn", "size", 3), ("turn", "no", 0), ("view", "x")],
+    [
+        ("press", "broken"), ("press", "add", 1), ("jump", "up"), ("view", "x"), ("arrow", "Enter"),
+        ("turn", "size", 3), ("turn", "size"), ("turn", "no", 0),
+    ],
 )  # fmt: skip
 def test_a_fault_is_raised_and_the_browser_is_not_left_waiting(explorer, do):
     with pytest.raises((ValueError, RuntimeError)):
@@ -108,6 +111,26 @@ def test_a_fault_is_raised_and_the_browser_is_not_left_waiting(explorer, do):
     assert explorer.answered == "3"
     assert shown(explorer)[0] == "<svg>0</svg>"
     assert explorer.message.startswith("That went wrong: ")
+
+
+def test_an_explorer_without_a_board_says_so():
+    explorer = Explorer(Counter())
+    explorer.state = type("Boardless", (), {"view": Counter().view})()
+    with pytest.raises(ValueError, match="no board to choose on"):
+        explorer.do("choose", 3)
+
+
+def test_a_fault_shows_the_state_as_it_is(explorer):
+    """What was half done is seen, and not a picture from before."""
+
+    def half(_):
+        explorer.state.count = 7
+        raise RuntimeError("half done")
+
+    explorer.state.press = half
+    with pytest.raises(RuntimeError):
+        hear(explorer, "press", "add")
+    assert shown(explorer) == ("<svg>7</svg>", "That went wrong: half done")
 
 
 def test_longer_work_goes_on_step_by_step_and_the_page_is_heard_meanwhile(explorer):

@@ -34,7 +34,8 @@ def test_a_bump_costs_one_and_the_walk_goes_on():
     mouse = walked(["down", "right", "right"])
     assert (mouse.cell, mouse.reward, mouse.returns) == (5, -1.0, [])
     assert "ouch, a wall (-1)" in mouse.message
-    assert walked(["up"]).message.startswith("Up: the edge of the maze")
+    assert walked(["up"]).message.startswith("Move 1, up: the edge of the maze")
+    assert walked(["up", "up"]).message != walked(["up"]).message, "what is said again is not heard"
 
 
 def test_it_is_the_maze_step_by_step():
@@ -73,8 +74,7 @@ def test_only_what_was_felt_is_seen():
     drawn = panel(mouse, "map")
     assert drawn.svg.count("url(#slanted)") == 1
     assert drawn.svg.count(">?<") == 12
-    assert "Walls: 6." in drawn.words
-    assert "4 of 16 cells are known" in drawn.words
+    assert "Known floor: cells 0, 4, 5. Known walls: 6." in drawn.words
     assert "polygon" in panel(walked(BEST), "map").svg
 
 
@@ -91,7 +91,9 @@ def test_a_click_moves_to_the_next_cell_only():
     mouse = BlindMaze()
     mouse.choose(1)
     assert (mouse.cell, mouse.moves) == (1, 1)
-    for far in (1, 3, 4, 15):
+    mouse.choose(1)
+    assert (mouse.cell, mouse.moves, mouse.message) == (1, 1, "You are in cell 1. Now the arrow keys work.")
+    for far in (3, 4, 15):
         mouse.choose(far)
         assert (mouse.cell, mouse.moves) == (1, 1)
         assert "no single move" in mouse.message
@@ -147,6 +149,29 @@ def test_the_file_is_plain_json(tmp_path):
     path = tmp_path / KEPT_IN
     walked(BEST, keep=path)
     assert json.loads(path.read_text()) == {"returns": [1.0], "lengths": [6]}
+
+
+def test_running_the_cell_again_forgets_no_walk(tmp_path):
+    path = tmp_path / KEPT_IN
+    walked([*BEST, "up", *BEST], keep=path)
+    walked(["down", "up", *BEST], keep=path)
+    assert kept_walks(path)[1].tolist() == [6, 7, 8]
+    walked(["forget", *BEST], keep=path)
+    assert kept_walks(path)[1].tolist() == [6], "until everything is forgotten"
+
+
+def test_two_mice_in_one_maze_do_not_meet():
+    maze = Maze(wall_ends_episode=False)
+    one, other = BlindMaze(maze), BlindMaze(maze)
+    one.press("down")
+    other.press("right")
+    assert (one.cell, other.cell) == (4, 1)
+
+
+@pytest.mark.parametrize("cell", [16, -1, "5", 1.5])
+def test_what_is_no_cell_is_refused(cell):
+    with pytest.raises(ValueError, match="cell must be"):
+        BlindMaze().choose(cell)
 
 
 def test_unknown_buttons_are_refused():

@@ -9,6 +9,7 @@ from course_lib.explore.controls import Button, Dials, Panel, View
 from course_lib.explore.drawing.board import Board, acting_states, best_actions, place, short, small_maze
 from course_lib.explore.equation import STEADY, Equation, error_chart, written
 from course_lib.explore.explorer import Explorer
+from course_lib.explore.worlds import counted
 from course_lib.maze import Action, Maze, Tile
 from course_lib.plots.picture import BLUE
 from course_lib.validate import whole_number
@@ -102,7 +103,7 @@ class BellmanByHand:
             self.dials.slider("slip"),
             replace(self.dials.slider("reward"), label=f"reward, cell {self.cell}"),
             Button("wall", f"{'no wall' if wall else 'wall'} in cell {self.cell}"),
-            Button("restore", "the first maze", idle=not edited),
+            Button("restore", "original maze", idle=not edited),
             self.dials.switch("at_once"),
         )
         panels = (self._map(), self.equation.panel(), error_chart(self._errors, self.gamma))
@@ -161,7 +162,7 @@ class BellmanByHand:
         changed = self._choose_best()
         if changed:
             self._errors = [self._error()]
-            self.message = f"{_cells(changed)} changed what to do. {self._where_to()}"
+            self.message = f"{counted(changed, 'cell')} changed what to do. {self._where_to()}"
             return
         again = bellman_sweep(self.world.mdp, self.values, self.gamma, self.policy)
         told = "Nothing to improve: every cell does what is best by these values."
@@ -256,15 +257,24 @@ class BellmanByHand:
 
     # --- what is to be seen
 
+    def _pushes_on(self, cell):
+        """Whether the chosen actions of a cell leave the mouse where it is, as long as it does not slip."""
+        return all(self.world.mdp.next_state[cell, a, 0] == cell for a in best_actions(self.policy[cell]))
+
     def _where_to(self):
         way, steps = self.way, len(self.way) - 1
         slips = ", if nothing slips" if self.world.slip else ""
         if way[-1] in self.world.goals:
-            return f"From the start it is {steps} step{'s' * (steps != 1)} to the cheese{slips}."
+            return f"From the start it is {counted(steps, 'step')} to the cheese{slips}."
+        if steps and self.world.slip and self._pushes_on(way[-1]):
+            return f"From the start the arrows lead to cell {way[-1]}. There the mouse pushes on until it slips."
         if steps:
             return f"From the start the arrows lead to cell {way[-1]}, and not to the cheese."
         best = best_actions(self.policy[self.world.start])
         if len(best) == len(Action):
+            best_swept = bellman_sweep(self.world.mdp, self.values, self.gamma)
+            if np.abs(best_swept - self.values).max() <= STEADY:
+                return "In the start all actions are equally good."
             return "In the start all actions are alike: no way is known yet."
         return f"In the start the mouse goes {Action(best[0]).name.lower()}, and stays where it is."
 
@@ -288,7 +298,7 @@ class BellmanByHand:
             notes[s] = f"{notes.get(s, '')} {self.world.cell_rewards.flat[s]:+.3g}".strip().replace("-", "−")
         for s, note in notes.items():
             board.corner_note(s, note, top=True)
-        hint = "Click a cell, or go to it with the arrow keys. Red arrows: the way from the start"
+        hint = "Click a cell, or go to it with the arrow keys. Orange, filled arrows: the way from the start"
         hint += "." if roomy else " (S)."
         return Panel("map", self._map_in_words(acting), board.svg(), board=hint)
 
@@ -312,7 +322,3 @@ def bellman(maze=None):
     columns.
     """
     return Explorer(BellmanByHand(maze))
-
-
-def _cells(number):
-    return f"{number} cell" + "s" * (number != 1)

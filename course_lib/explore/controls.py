@@ -50,7 +50,7 @@ class Button:
 
 @dataclass(frozen=True)
 class Panel:
-    """One picture (`svg`) or text (`html`) and its `words` for those who cannot see it.
+    """One picture (`svg`) with its `words` for those who cannot see it, or a text (`html`).
 
     board   what the arrow keys and clicks on its cells do; "" for a picture that does nothing
     """

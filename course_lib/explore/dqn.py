@@ -150,7 +150,11 @@ class InsideTheNetwork:
         """Train and look, train and look. Whoever looks at the latest moment goes along with it."""
         while self._training is run and run.episodes < EPISODES:
             goes_along = self._episode == run.episodes
-            run.go_on()
+            try:
+                run.go_on()
+            except Exception:  # train can be pressed again
+                self._training = None if self._training is run else self._training
+                raise
             if goes_along:
                 self._wanted = run.episodes
                 self._show(self._wanted)
@@ -170,8 +174,8 @@ class InsideTheNetwork:
         best = int(q[self.cell].argmax())
         said = f"{place(self.maze, self.cell).capitalize()} after {self._episode} episodes:"
         said += f" the best is {Action(best).name}, {q[self.cell, best]:z.2f} ({self._truth()})."
-        said += f" From the start, its arrows earn {self.moment.earned:z.2f},"
-        said += f" the best ones {self.exact.values[start]:z.2f}."
+        said += f" From the start its arrows bring a discounted return of {self.moment.earned:z.2f};"
+        said += f" the best possible is {self.exact.values[start]:z.2f}."
         self.message = f"{first} {said}".strip()
 
     def _truth(self):
@@ -237,16 +241,18 @@ class InsideTheNetwork:
         if self._before is not None and self._before is not self.run:
             shown.append(("before", self._before))
         lines = [run.worth(self.cell) for _, run in shown]
-        low, high = min(0.0, *(v.min() for v in lines)), max(1.0, *(v.max() for v in lines))
+        exact = self.exact.values[self.cell] if self.cell in self._acting else None
+        ends = np.concatenate([*lines, [0.0, 1.0] if exact is None else [0.0, 1.0, exact]])
+        low, high = ends.min(), ends.max()
         span = np.floor(low * 2) / 2, np.ceil(high * 2 + 0.2) / 2 + 0.1  # seldom another one, and no number at its top
         chart = Chart(
             f"Cell {self.cell} through training", x=(0, 1.03 * EPISODES), y=span, xlabel="episodes of training",
             ylabel="max Q", height=170, legend=3,
         )  # fmt: skip
         words = f"max Q of cell {self.cell} through training."
-        if self.cell in self._acting:
-            chart.rule(self.exact.values[self.cell], f"exact {self.exact.values[self.cell]:z.2f}", above=False)
-            words += f" Exact is {self.exact.values[self.cell]:z.2f}."
+        if exact is not None:
+            chart.rule(exact, f"exact {exact:z.2f}", above=False)
+            words += f" Exact is {exact:z.2f}."
         for which, ((time, run), values) in reversed(list(enumerate(zip(shown, lines, strict=True)))):
             at = np.arange(len(values)) * BETWEEN
             chart.line(at, values, which)

@@ -8,6 +8,7 @@ from course_lib.bellman import action_values, bellman_sweep
 from course_lib.explore.controls import Panel
 from course_lib.explore.drawing.board import ARROWS, place
 from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.worlds import counted
 from course_lib.maze import Action, Tile
 from course_lib.plots.board import best_actions
 
@@ -80,7 +81,7 @@ class Equation:
         """The equation as a text to be read."""
         head = f"<p><b>{escape(place(self.world, self.cell).capitalize())}</b></p>"
         if self.world.grid.flat[self.cell] == Tile.WALL or self.cell in self.world.goals:
-            return Panel("equation", self.in_words(), html=f"{head}<p>{escape(self.in_words())}</p>")
+            return Panel("equation", html=f"{head}<p>{escape(self.in_words())}</p>")
         best = best_actions(self.q)
         best = best if len(best) < len(Action) else []
         rows = "".join(self._row(a, a in best) for a in Action)
@@ -88,19 +89,20 @@ class Equation:
             "V(s) ← Σ<sub>a</sub> π(a | s) Q(s, a)",
             "Q(s, a) = R(s, a) + γ Σ<sub>s'</sub> T(s, a, s') V(s')",
         )
-        table = f"<table><tr><th>action a</th><th>π(a | s)</th><th>Q(s, a)</th></tr>{rows}</table>"
+        columns = "".join(f'<th scope="col">{name}</th>' for name in ("action a", "π(a | s)", "Q(s, a)"))
+        table = f"<table><tr>{columns}</tr>{rows}</table>"
         result = f"V({self.cell}) ← {self.sum()} = <b>{written(self.result)}</b>"
         star = "★ best: what “improve” takes." if len(best) else "All four are alike: none is best."
         told = f"{star} Numbers are rounded to four decimals."
         html = f"{head}<p>{'<br>'.join(lines)}</p>{table}<p>{result}<br>{escape(self.in_words())}</p><p>{told}</p>"
-        words = f"V({self.cell}) ← {self.sum()} = {written(self.result)}. {self.in_words()}"
-        return Panel("equation", words, html=html)
+        return Panel("equation", html=html)
 
     def _row(self, action, is_best):
         share = _SHARES[np.count_nonzero(self.shares)] if self.shares[action] else "0"
         value = f"<b>{written(self.q[action])} ★</b>" if is_best else written(self.q[action])
         sums = f"{escape(self.symbols(action))}<br>= {escape(self.numbers(action))}"
-        first = f"<tr><td>{ARROWS[action]}</td><td>{share}</td><td>{value}</td></tr>"
+        head = f'<th scope="row" style="font-weight:400;text-align:left">{ARROWS[action]}</th>'  # what is bold is best
+        first = f"<tr>{head}<td>{share}</td><td>{value}</td></tr>"
         return f'{first}<tr><td colspan="3">{sums}</td></tr>'
 
 
@@ -124,7 +126,7 @@ def error_chart(errors, gamma):
         chart.note(sweeps, errors[-1] * 0.3, f"{errors[-1]:.2g}", shift=20)  # below the line of the bound
     chart.legend("after k sweeps", 0, kind="circle")
     chart.legend("never above: the first error times γ to the power k", 1)
-    told = "; ".join(f"{i} sweeps: {error:.2g}" for i, error in enumerate(errors))
+    told = "; ".join(f"{counted(k, 'sweep')}: {errors[k]:.2g}" for k in sorted({*range(0, sweeps, 10), sweeps}))
     words = f"The largest distance of V from this policy's own values after {told}. At most the first times γ^k."
     return Panel("errors", words, chart.svg())
 

@@ -190,7 +190,7 @@ def score_panel(named, notes, chosen=0):
     rows = [(name, other.scores["trader"]) for name, other in named]
     rows += [(name, judged.scores[name]) for name in ("buy and hold", "random", "oracle")]
     notes = [f"random: medians of {_SHIFTS}; in trade: on how many of the bars.", *notes]
-    body, told = "", []
+    body = ""
     for name, scores in rows:
         cells = [
             _percent(scores["total_return"], "+"), one_digit(scores["sharpe"]),
@@ -201,14 +201,13 @@ def score_panel(named, notes, chosen=0):
             + "".join(f'<td style="white-space:nowrap">{cell}</td>' for cell in cells)
             + "</tr>"
         )
-        told.append(f"{name}: {', '.join(f'{what} {cell}' for what, cell in zip(_COLUMNS, cells, strict=True))}")
     head = "".join(f'<th scope="col">{name}</th>' for name in _COLUMNS)
     table = f'<table style="{_TABLE_LOOK}"><thead><tr><td></td>{head}</tr></thead><tbody>{body}</tbody></table>'
     lines = "".join(f'<p style="margin:6px 0 0">{escape(note)}</p>' for note in notes)
-    return Panel("scores", f"{'; '.join(told)}. {' '.join(notes)}", html=table + lines)
+    return Panel("scores", html=table + lines)
 
 
-_COLUMNS = ("return", "Sharpe", "worst fall", "legs", "in trade")
+_COLUMNS = ("return", "Sharpe", "drawdown", "legs", "in trade")
 _TABLE_LOOK = "font-size:12px;overflow-wrap:normal"  # it has to fit a narrow page
 
 

@@ -1,4 +1,4 @@
-"""Lessons 5 and 7, the trading floor: traders that learn at every move of a slider, or come with their positions."""
+"""Lessons 5 and 7, the trading floor: traders that learn as you look on, or come with their positions."""
 
 from functools import cache, cached_property, lru_cache
 
@@ -170,7 +170,7 @@ class TradingFloor(_Floor):
 
 
 class TrainingFloor(_Floor):
-    """Two Q-tables, long and short, that learn anew at every move, on training days; judged there or on unseen days.
+    """For each market, eyes and cost two Q-tables learn, long and short, on training days; judged there or unseen.
 
     They learn as in homework 2, from 60 % of the bars. `press("try")` trains 20 such pairs, step by step: of a made-up
     market each on a history of its own, of a real share all on the only one there is.
@@ -189,12 +189,16 @@ class TrainingFloor(_Floor):
         """Train and judge 20 traders, "try"; what is left to do is an iterator."""
         if name != "try":
             raise ValueError(f"there is the button try, got {name!r}")
-        return self._try() if len(self.tries) < TRADERS else None
+        asked = self._asked()
+        if len(self.tries) == TRADERS or self._at_work == asked:
+            return None
+        self._at_work = asked
+        return self._try(asked)
 
     @property
     def tries(self):
         """What has been tried with these settings: [(Sharpe in training, Sharpe unseen, money made unseen)]."""
-        return self._tries.setdefault(self._asked(), [])
+        return self._tries.get(self._asked(), [])
 
     def view(self):
         """Price and trades, what becomes of the money, what counts, and training against unseen days."""
@@ -224,14 +228,18 @@ class TrainingFloor(_Floor):
         known = "Unseen days" if days else "These are the days it has learned from"
         self.message = f"{known}. {self.judged.says()}"
 
-    def _try(self):
-        asked = self._at_work = self._asked()
-        while len(self.tries) < TRADERS:
-            self.tries.append(result(*asked, len(self.tries)))
-            yield
-            if asked != self._asked():  # the learner has moved on
-                break
-        self._at_work, self.message = None, " ".join(self._tried()) or self.message
+    def _try(self, asked):
+        """One trader after the other, until there are enough of them or the learner has moved on."""
+        tries = self._tries.setdefault(asked, [])
+        try:
+            while len(tries) < TRADERS and asked == self._asked():
+                tries.append(result(*asked, len(tries)))
+                yield
+            if asked == self._asked():
+                self.message = " ".join(self._tried())
+        finally:
+            if self._at_work is asked:  # and no newer press
+                self._at_work = None
 
     def _tried(self):
         """What 20 traders came to, where they have been tried."""
@@ -307,7 +315,7 @@ def parts_of(name, seed):
 
 
 def trading_floor(part=None, positions=None, *, cost=0.0005):
-    """An explorer of trading: without arguments, of traders that learn anew at every move; else of yours, on a part.
+    """An explorer of trading: without arguments, of Q-tables that learn as you look on; else of yours, on a part.
 
     part, positions, cost  as of `TradingFloor`
     """

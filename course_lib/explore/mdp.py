@@ -13,6 +13,7 @@ from course_lib.plots.picture import BLUE, RED
 from course_lib.validate import whole_number
 
 _TRIES = {"1 move": 1, "100 moves": 100, "10,000 moves": 10_000}
+_ROOMY = 70  # pixels of a cell with room for a number and a chance side by side
 _BESIDE = 18  # pixels that a bar stands left or right of its cell's place
 
 
@@ -54,6 +55,8 @@ class Transitions:
     def choose(self, cell):
         """Another cell s. In a wall and in a goal there is nothing to do, so the cell stays what it was."""
         cell = whole_number("cell", cell, below=self.world.grid.size)
+        if cell == self.cell:
+            return  # whoever clicks it again keeps the moves
         if cell in acting_states(self.world):
             self.cell = cell
             self._look()
@@ -108,8 +111,12 @@ class Transitions:
         self.counts += drawn
         self.landed = int(drawn.argmax()) if tries == 1 else None
         told = f"Move {self.tries:,} landed in cell {self.landed}." if tries == 1 else f"{self.tries:,} moves."
-        near = f"The shares are at most {self.gap:.3f} away from T; 1/√n is {self.tries**-0.5:.3f}."
+        near = f"The shares are at most {self.gap:.4f} away from T; 1/√n is {self.tries**-0.5:.4f}."
         self.message = f"From cell {self.cell}, {self._action}: {told} {near}"
+
+    @property
+    def _moves(self):
+        return f"{self.tries:,} move" + "s" * (self.tries != 1)
 
     @property
     def _action(self):
@@ -136,14 +143,25 @@ class Transitions:
         board.arrow(self.cell, self.dials.action, start=0.17, length=0.25)
         board.frame(self.cell, BLUE)
         board.tag(self.cell)
-        board.corner_note(self.world.start, "start")
+        roomy = board.cell >= _ROOMY
+        board.corner_note(self.world.start, "start" if roomy else "S", top=not roomy)
         for s in reached:
-            board.note(s, f"{self.chances[s]:.3g}", down=-0.33, size=min(15, board.cell / 4))
+            board.note(
+                s, f"{self.chances[s]:.3g}", down=-0.33 if roomy else 0.27, size=max(11, min(15, board.cell / 4))
+            )
         if self.landed is not None:
             x, y = board.middle(self.landed)
-            away, radius = 0.3 * board.cell, 0.08 * board.cell
-            board.sketch.circle(x - away, y + away, radius, fill=RED, stroke="#ffffff", stroke_width=2)
+            left, down = (0.3, 0.3) if roomy else (0.38, 0.0)
+            board.sketch.circle(
+                x - left * board.cell,
+                y + down * board.cell,
+                0.08 * board.cell,
+                fill=RED,
+                stroke="#ffffff",
+                stroke_width=2,
+            )
         hint = "Click a cell, or go to it with the arrow keys. A dot marks where a single move landed."
+        hint += "" if roomy else " S: the start."
         words = f"{place(self.world, self.cell).capitalize()} is chosen. {self._row_in_words()}"
         words += f" The last move landed in cell {self.landed}." if self.landed is not None else ""
         return Panel("map", words, board.svg(), board=hint)
@@ -151,7 +169,7 @@ class Transitions:
     def _bars(self):
         names = {i: f"cell {s}" + " (stays)" * (s == self.cell) for i, s in enumerate(self.landings)}
         chart = Chart(
-            f"Next states after {_moves(self.tries)}", x=(-0.5, len(names) - 0.5), y=(0, 1.1), xlabel="next state s'",
+            f"Next states after {self._moves}", x=(-0.5, len(names) - 0.5), y=(0, 1.1), xlabel="next state s'",
             ylabel="probability; share of the moves", height=210, legend=2, names=names,
         )  # fmt: skip
         told = []
@@ -165,9 +183,9 @@ class Transitions:
                 chart.note(i, share, f"{round(share, 3):g}", shift=_BESIDE)
                 told[-1] += f", share {round(share, 3):g}"
         chart.legend("T(s, a, s'), the probability", 0, kind="bar")
-        drawn = f"share of {_moves(self.tries)}" if self.tries else "share of the moves: none drawn yet"
+        drawn = f"share of {self._moves}" if self.tries else "share of the moves: none drawn yet"
         chart.legend(drawn, 0, kind="hollow")
-        return Panel("bars", f"After {_moves(self.tries)}. {'; '.join(told)}.", chart.svg())
+        return Panel("bars", f"After {self._moves}. {'; '.join(told)}.", chart.svg())
 
     def _table(self):
         head = ("s'", "T", "moves", "share", "share − T")
@@ -180,10 +198,11 @@ class Transitions:
             rows.append((f"{s} (stays)" if s == self.cell else str(s), f"{self.chances[s]:.3g}", *drawn))
         lines = [f"{self._pays()}."]
         if self.tries:
-            lines += [f"Largest |share − T|: {self.gap:.3f}.", f"1/√n, rarely exceeded: {self.tries**-0.5:.3f}."]
-        html = "<table>" + _row("th", head) + "".join(_row("td", row) for row in rows) + "</table>"
+            lines += [f"Largest |share − T|: {self.gap:.4f}.", f"1/√n, rarely exceeded: {self.tries**-0.5:.4f}."]
+        head = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
+        html = f"<table><tr>{head}</tr>{''.join(map(_row, rows))}</table>"
         html += f"<p>{'<br>'.join(escape(line) for line in lines)}</p>"
-        return Panel("table", " ".join(lines), html=html)
+        return Panel("table", html=html)
 
 
 def transitions(maze=None):
@@ -194,12 +213,10 @@ def transitions(maze=None):
     return Explorer(Transitions(maze))
 
 
-def _row(kind, texts):
-    return "<tr>" + "".join(f"<{kind}>{escape(text)}</{kind}>" for text in texts) + "</tr>"
-
-
-def _moves(number):
-    return f"{number:,} move" + "s" * (number != 1)
+def _row(texts):
+    first, *rest = map(escape, texts)
+    cells = "".join(f"<td>{text}</td>" for text in rest)
+    return f'<tr><th scope="row" style="font-weight:400;text-align:left">{first}</th>{cells}</tr>'
 
 
 def _tint(share):

@@ -1,1 +1,11 @@
 """Explorers without a browser: what they show, and what their controls do to it."""
+
+from pathlib import Path
+
+import nbformat
+
+
+def prose(notebook):
+    """All that a notebook says to its readers, code and outputs left out."""
+    path = Path(__file__).parents[2] / "notebooks" / notebook
+    return "\n".join(cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "markdown")

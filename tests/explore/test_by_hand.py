@@ -93,6 +93,15 @@ def test_improving_on_zeros_sees_only_what_pays_at_once():
     assert panel(state, "map").svg.count('stroke-width="0.9"') == 2
 
 
+def test_where_nothing_is_known_and_where_all_is_equally_good():
+    known = "In the start all actions are equally good."
+    for blind in (turned(BellmanByHand(), "gamma", "0"), BellmanByHand(Maze(slip=1.0, **DRY))):
+        assert pressed(blind, "solve").message.endswith(known)
+    state = turned(BellmanByHand(), "gamma", "0")
+    assert known in pressed(state, "end", "improve", "end", "begin", "end", "improve", "end", "solve").message
+    assert "no way is known yet" in pressed(BellmanByHand(), "improve").message
+
+
 def test_three_improvements_and_nothing_is_left_to_improve():
     """Exercise 2 of the lesson."""
     state = pressed(BellmanByHand(), "end", "improve", "end")
@@ -147,10 +156,7 @@ def test_the_equation_says_what_the_next_sweep_writes(world):
         for s in acting_states(world):
             state.choose(s)
             told[s] = state.equation.result
-            shown = panel(state, "equation")
-            assert shown.words.startswith(f"V({s}) ← ")
-            assert f" = {_four(told[s])}. " in shown.words
-            assert f"<b>{_four(told[s])}</b>" in shown.html
+            assert re.search(rf"<p>V\({s}\) ← [^<]* = <b>{_four(told[s])}</b><br>", panel(state, "equation").html)
         swept = bellman_sweep(world.mdp, state.values, state.gamma, state.policy)
         assert told == {s: swept[s] for s in acting_states(world)}
         pressed(state, step)
@@ -177,12 +183,14 @@ def test_the_numbers_put_in_give_the_result(world):
 def test_the_first_equation_is_that_of_the_lesson():
     """Exercise 1 of the lesson."""
     shown = panel(BellmanByHand(), "equation")
-    assert "V(14) ← 1/4·(0 + 0 + 0 + 1) = 0.25. Cell 14 is worth 0; the next sweep will write 0.25." in shown.words
     text = " ".join(plain_text(shown.html).split())
+    assert "V(14) ← 1/4·(0 + 0 + 0 + 1) = 0.25 Cell 14 is worth 0; the next sweep will write 0.25." in text
+    assert re.findall(r'<th scope="col">([^<]*)</th>', shown.html) == ["action a", "π(a | s)", "Q(s, a)"]
+    assert re.findall(r'<th scope="row"[^>]*>([^<]*)</th>', shown.html) == ["↑ up", "↓ down", "← left", "→ right"]
     assert "↑ up 1/4 0 R + γ V(14) = 0 + 0.9·0 ↓ down 1/4 0" in text
     assert "→ right 1/4 1 ★ R + γ V(end) = 1 + 0.9·0" in text
     state = pressed(BellmanByHand(), "sweep")
-    assert "V(14) ← 1/4·(0.225 + 0.225 + 0 + 1) = 0.3625." in panel(state, "equation").words
+    assert "V(14) ← 1/4·(0.225 + 0.225 + 0 + 1) = <b>0.3625</b>" in panel(state, "equation").html
 
 
 def test_what_differs_by_rounding_alone_looks_alike():
@@ -196,14 +204,14 @@ def test_the_star_is_what_improve_takes():
     starred = {}
     for s in acting_states(state.world):
         state.choose(s)
-        rows = re.findall(r"<td>. (\w+)</td><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
+        rows = re.findall(r"<th [^>]*>. (\w+)</th><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
         assert [Fraction(share) for _, share, _ in rows] == [Fraction(1, 4)] * 4
         starred[s] = [name for name, _, value in rows if "★" in value]
     pressed(state, "improve")
     for s, names in starred.items():
         assert names == [a.name.lower() for a in Action if state.policy[s, a]]
         state.choose(s)
-        rows = re.findall(r"<td>. (\w+)</td><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
+        rows = re.findall(r"<th [^>]*>. (\w+)</th><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
         assert [float(Fraction(share)) for _, share, _ in rows] == pytest.approx(state.policy[s].tolist())
 
 
@@ -218,7 +226,7 @@ def test_an_equation_that_holds_is_said_to_hold():
     state = pressed(BellmanByHand(), "solve")
     state.choose(5)
     assert state.message == "Cell 5 is worth 0.729: its equation holds."
-    assert panel(state, "equation").words.startswith("V(5) ← Q(5, down) = 0.729. ")
+    assert "<p>V(5) ← Q(5, down) = <b>0.729</b><br>" in panel(state, "equation").html
     state.choose(6)
     assert "Cell 6 is a wall" in panel(state, "equation").html
     state.choose(15)
@@ -247,8 +255,8 @@ def test_errors_stay_below_their_bound_and_begin_anew_with_a_policy():
         errors.append(np.abs(pressed(state, "sweep").values - exact).max())
     assert np.all(np.array(errors) <= errors[0] * 0.9 ** np.arange(16) + 1e-12)
     shown = panel(state, "errors")
-    for k in (0, 1, 7, 15):
-        assert f"{k} sweeps: {errors[k]:.2g}" in shown.words
+    told = "; ".join(f"{k} sweeps: {errors[k]:.2g}" for k in (0, 10, 15))
+    assert f"after {told}. At most" in shown.words, "the first, every tenth and the last"
     assert f">{errors[-1]:.2g}</text>" in shown.svg
     assert shown.svg.count("<circle") - 1 == 16 + 1, "a mark for each, one in the legend, one in the pattern of dots"
     line = re.search(r'<polyline points="([^"]*)"[^>]*stroke="#d55e00"', shown.svg).group(1)
@@ -257,6 +265,17 @@ def test_errors_stay_below_their_bound_and_begin_anew_with_a_policy():
     gap = np.abs(state.values - evaluate_policy(state.world.mdp, pressed(state, "improve").policy, 0.9)).max()
     assert f"after 0 sweeps: {gap:.2g}. " in panel(state, "errors").words
     assert "No error is left." in panel(pressed(state, "end"), "errors").svg
+
+
+def test_the_words_about_many_sweeps_stay_few():
+    state = pressed(BellmanByHand(), "sweep")
+    assert re.search(r"after 0 sweeps: [\d.]+; 1 sweep: [\d.]+\. At most", panel(state, "errors").words)
+    assert len(panel(pressed(state, *["sweep"] * 299), "errors").words) < 1000
+
+
+def test_the_way_is_told_apart_by_more_than_its_colour():
+    board = panel(BellmanByHand(), "map").board
+    assert "Orange, filled arrows: the way from the start" in board
 
 
 def test_first_view_is_always_the_same():

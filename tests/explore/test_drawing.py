@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ElementTree
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_lib import Action, Maze, value_iteration
+from course_lib.explore import BellmanByHand, Transitions
 from course_lib.explore.drawing.board import Board, place
 from course_lib.explore.drawing.chart import Chart, log_ticks, ticks
 from course_lib.explore.drawing.sketch import WIDTH, Sketch, shade, shades
@@ -108,7 +110,6 @@ def test_boards_are_sound_with_everything_drawn_on_them(world):
     board.walls()
     board.arrows(solution.q)
     board.frame(world.start)
-    board.path([world.start, world.start + 1])
     board.mouse(world.start)
     board.cheese()
     board.note(world.start, "start")
@@ -184,10 +185,30 @@ def test_lines_are_told_apart_without_colour():
     assert len(set(dashes)) == 3
 
 
+def boxes(svg):
+    """[(text, left, top, right, bottom)], a little tighter than any font draws it."""
+    for text, node in texts(svg):
+        x, y, size = (float(node.get(name)) for name in ("x", "y", "font-size"))
+        wide, share = 0.54 * size * len(text), {"start": 0, "middle": 0.5, "end": 1}[node.get("text-anchor")]
+        yield text, x - share * wide, y - 0.36 * size, x + (1 - share) * wide, y + 0.36 * size
+
+
+@pytest.mark.parametrize("side", range(4, 9))
+def test_no_text_lies_on_another(side):
+    world = Maze.random(side, side, seed=3, slip=0.25, wall_ends_episode=False)
+    for explored in (Transitions(world), BellmanByHand(world)):
+        if isinstance(explored, BellmanByHand):
+            explored.press("solve")
+        found = list(boxes(explored.view().panels[0].svg))
+        for (one, *here), (other, *there) in combinations(found, 2):
+            apart = here[2] <= there[0] or there[2] <= here[0] or here[3] <= there[1] or there[3] <= here[1]
+            assert apart or one == other, (one, other)  # the chosen cell's number lies on a slip of paper, on itself
+
+
 def test_text_is_large_enough_to_be_read():
     chart = Chart("Title", x=(0, 1), y=(0, 1), xlabel="x", ylabel="y", legend=1)
     chart.legend("line", 0)
     board = Board(Maze(), "Title")
     board.tiles()
     for svg in (chart.svg(), board.svg()):
-        assert min(float(size) for size in re.findall(r'font-size="([^"]+)"', svg)) >= 10.5
+        assert min(float(size) for size in re.findall(r'font-size="([^"]+)"', svg)) >= 11

@@ -35,7 +35,10 @@ def test_good_news_travels_back_a_cell_an_episode(said):
     explored.press("episode")
     ((cell, action), value), *more = above_0(explored).items()
     assert not more
-    assert f"The first episode ends with the first positive reward: `Q({cell}, {action})` goes from 0 to {value:g}." in said
+    assert (
+        f"The first episode ends with the first positive reward: `Q({cell}, {action})` goes from 0 to {value:g}."
+        in said
+    )
     explored.press("episode")
     known = above_0(explored)
     last = known.pop((cell, action))

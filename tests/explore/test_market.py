@@ -108,7 +108,9 @@ def test_the_numbers_in_the_table_are_those_of_the_scoreboard():
         for said, number in zip((gained, fall, exposure), 100 * row.iloc[[0, 2, 4]], strict=True):
             assert said == pytest.approx(number, abs=0.051 if abs(number) < 9.95 else 0.51, rel=0.0051)
         assert (ratio, legs) == (pytest.approx(row["Sharpe"], abs=0.051), row["legs"])
-        assert f"{name}: return {shown[name][0]}, Sharpe {shown[name][1]}," in panel(floor, "scores").words
+    columns = re.findall(r'<th scope="col">([^<]*)</th>', panel(floor, "scores").html)
+    assert columns == ["return", "Sharpe", "drawdown", "legs", "in trade"]
+    assert panel(floor, "scores").html.count('<th scope="row"') == len(shown)
 
 
 def test_the_others_are_beside_it_only_when_asked_for():
@@ -154,8 +156,8 @@ def test_all_of_a_kind_are_told_of():
     ends = np.exp(market.account(TEST, COINS, cost=0.01).log_equity[:, -1])
     low, middle, high = np.percentile(ends, [5, 50, 95])
     said = f"coins, all 4: 1 dollar becomes {low:.3g} to {high:.3g} (5 % to 95 %), median {middle:.3g}."
-    assert said in panel(floor, "scores").words
-    assert "all 1:" not in panel(put(floor, trader="hold"), "scores").words
+    assert said in panel(floor, "scores").html
+    assert "all 1:" not in panel(put(floor, trader="hold"), "scores").html
 
 
 def test_which_of_them_is_asked_only_where_there_are_several():

@@ -1,9 +1,7 @@
 """The trading floor on which tables learn at every move: as in homework 2, and on unseen days as honest as there."""
 
 import re
-from pathlib import Path
 
-import nbformat
 import numpy as np
 import pytest
 
@@ -11,6 +9,7 @@ from course_lib import QAgent, market
 from course_lib.explore.floor import one_digit
 from course_lib.explore.market import COSTS, DAYS, EYES, MARKETS, TRADERS, TradingFloor, TrainingFloor, trading_floor
 
+from . import prose
 from .test_market import panel, put, rows
 
 PRICES = {
@@ -124,7 +123,7 @@ def test_twenty_traders_are_those_of_the_homework(floor):
     said = f"Sharpe ratio {inside.mean():.1f} ± {inside.std():.1f} in training"
     said += f" and {outside.mean():.1f} ± {outside.std():.1f} on unseen days; {np.sum(money > 1)} of them gained money"
     assert said in view.message
-    assert said in panel(floor, "scores").words
+    assert said in panel(floor, "scores").html
     assert "each on a market of its own" in view.message
     assert (
         panel(floor, "dots").svg.count("<circle") - panel(TrainingFloor(), "dots").svg.count("<circle") == TRADERS + 1
@@ -162,6 +161,42 @@ def test_whoever_moves_on_stops_the_twenty(floor):
     assert "20 traders" not in floor.view().message
 
 
+def test_work_that_comes_too_late_leaves_the_tries_of_others_alone(floor):
+    work = floor.press("try")
+    put(floor, eyes="window 3")
+    assert list(work) == []
+    assert floor.tries == []
+
+
+def test_bar_and_idle_button_show_at_once_and_looking_writes_nothing(floor):
+    assert (floor.tries, floor._tries) == ([], {})
+    work = floor.press("try")
+    assert (floor.view().progress, floor.view().control("try").idle) == (0, True)
+    assert floor.press("try") is None, "it is under way already"
+    put(floor, eyes="window 3")
+    newer = floor.press("try")
+    put(floor, eyes="min-max 60")
+    newest = floor.press("try")
+    next(newest)
+    work.close(), newer.close()
+    assert floor.view().progress == 1 / TRADERS, "older work that ends does not end the newer"
+    newest.close()
+    assert (floor.view().progress, floor.view().control("try").idle) == (None, False)
+
+
+def test_after_a_fault_the_button_can_be_pressed_again(floor, monkeypatch):
+    def fault(*_):
+        raise RuntimeError("no room")
+
+    with monkeypatch.context() as broken:
+        broken.setattr("course_lib.explore.market.result", fault)
+        with pytest.raises(RuntimeError, match="no room"):
+            next(floor.press("try"))
+    assert (floor.view().progress, floor.view().control("try").idle) == (None, False)
+    next(floor.press("try"))
+    assert len(floor.tries) == 1
+
+
 def test_looking_elsewhere_does_not_stop_the_twenty(floor):
     put(floor, eyes="window 3", cost="0.02 %")
     work = floor.press("try")
@@ -190,11 +225,6 @@ def test_a_real_share_has_one_history_only(floor):
 
 
 # --- what the homework says of it -------------------------------------------------------------------------------------
-
-
-def prose(homework):
-    path = Path(__file__).parents[2] / "notebooks" / homework
-    return "\n".join(cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "markdown")
 
 
 def test_homework_2_tells_what_the_cost_does(floor):

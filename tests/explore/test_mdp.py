@@ -90,7 +90,7 @@ def test_drawn_moves_add_up_and_come_near():
         assert state.tries == state.counts.sum() == total
         assert set(np.flatnonzero(state.counts)) == {0, 1, 4}
         assert state.gap == pytest.approx(np.abs(state.counts / total - state.chances).max())
-        assert f"at most {state.gap:.3f} away from T; 1/√n is {total**-0.5:.3f}." in state.message
+        assert f"at most {state.gap:.4f} away from T; 1/√n is {total**-0.5:.4f}." in state.message
     assert state.gap < 2 * state.tries**-0.5
     bars, table = panel(state, "bars"), panel(state, "table")
     for cell in (1, 0, 4):
@@ -98,7 +98,9 @@ def test_drawn_moves_add_up_and_come_near():
         assert f"cell {cell}: probability {state.chances[cell]:.3g}, share {round(share, 3):g}" in bars.words
         assert number_in(bars.svg, f"{round(share, 3):g}") >= 1
         assert f"<td>{state.counts[cell]:,}</td><td>{share:.3f}</td>" in table.html
-    assert f"{state.gap:.3f}" in table.html
+    assert f"Largest |share − T|: {state.gap:.4f}." in table.html
+    assert re.findall(r'<th scope="col">([^<]*)</th>', table.html) == ["s&#x27;", "T", "moves", "share", "share − T"]
+    assert re.findall(r'<th scope="row"[^>]*>([^<]*)</th>', table.html) == ["1", "0 (stays)", "4"]
     assert "10,201 moves" in bars.svg
 
 
@@ -150,6 +152,20 @@ def test_another_row_forgets_what_was_drawn(change):
     change(state)
     assert (state.tries, state.gap, state.landed) == (0, None, None)
     assert state.view().control("forget").idle
+
+
+def test_the_chosen_cell_chosen_again_keeps_the_moves():
+    state = Transitions()
+    state.press("100 moves")
+    before = state.view()
+    state.choose(0)
+    assert state.view() == before
+
+
+def test_in_small_cells_the_chances_can_be_read():
+    state = Transitions(Maze.random(8, 8, seed=0, slip=0.2, wall_ends_episode=False))
+    sizes = [float(size) for size in re.findall(r'font-size="([^"]+)"', panel(state, "map").svg)]
+    assert min(sizes) >= 11
 
 
 def test_the_same_seed_draws_the_same_and_another_does_not():

@@ -8,6 +8,7 @@ from course_lib.plots.board import acting_states, best_actions, short
 from course_lib.plots.picture import BLUE, INK, ORANGE, PAPER, RED, YELLOW
 
 _MARGIN, _HEAD, _FOOT = 28, 30, 8  # left of the cells for row numbers, above for the title and columns, below
+_NARROW = 50  # pixels: in a narrower cell there is none to spare between a number and what stands below it
 _MOST_NUMBERS = 12  # columns up to which a cell has room for numbers
 SIGNS = {Action.UP: "↑", Action.DOWN: "↓", Action.LEFT: "←", Action.RIGHT: "→"}
 ARROWS = {action: f"{sign} {action.name.lower()}" for action, sign in SIGNS.items()}
@@ -64,7 +65,8 @@ class Board:
         if self.roomy:
             x, y = self.middle(state)
             corner = self.cell / 2 - 4
-            self.sketch.text(x - corner, y - corner + 6, state, size=10.5, anchor="start", colour=colour)
+            down = 6 if self.cell >= _NARROW else 3
+            self.sketch.text(x - corner, y - corner + down, state, size=11, anchor="start", colour=colour)
 
     def values(self, values, low, high):
         """A number and its colour in every cell that the mouse can act in."""
@@ -75,7 +77,8 @@ class Board:
                 self.number(s, ink)
                 x, y = self.middle(s)
                 size = min(14.0, max(11.0, self.cell / 4.5))
-                self.sketch.text(x, y - 0.1 * self.cell, short(values[s]), size=size, colour=ink)
+                up = 0.1 if self.cell >= _NARROW else 0.06
+                self.sketch.text(x, y - up * self.cell, short(values[s]), size=size, colour=ink)
 
     def wedges(self, q, low, high, written="{:.2f}"):
         """Four wedges a cell, one for each action, with its value; the best of a cell are bold and framed."""
@@ -92,7 +95,7 @@ class Board:
                 if a in best:
                     inner = [(0.1 * x + 0.9 * cx + right, 0.1 * y + 0.9 * cy + down) for cx, cy in corners]
                     self.sketch.line(inner, closed=True, fill="none", stroke=RED, stroke_width=2.2)
-                if self.roomy:
+                if self.cell / 7 >= 9:  # smaller numbers are not to be read
                     look = {"font_weight": "700"} if a in best else {}
                     place = (x + right * half * 0.6, y + down * half * 0.7)
                     self.sketch.text(*place, written.format(q[s, a]), size=min(11.0, self.cell / 7), colour=ink, **look)
@@ -133,19 +136,13 @@ class Board:
         corners = [(x + right * along - down * across, y + down * along + right * across) for along, across in outline]
         self.sketch.line(corners, closed=True, fill=colour, stroke=INK, stroke_width=0.9)
 
-    def frame(self, state, colour=BLUE, dash=None, *, inset=3):
+    def frame(self, state, colour=BLUE, *, inset=3):
         """A thick frame around a cell: the chosen one; inset: how many pixels inside it."""
         row, column = divmod(int(state), self.world.columns)
         x, y = self.left + column * self.cell + inset, self.top + row * self.cell + inset
-        look, side = {"fill": "none", "stroke_dasharray": dash, "rx": 3}, self.cell - 2 * inset
-        self.sketch.rect(x, y, side, side, stroke="#ffffff", stroke_width=6, fill="none", rx=3)
+        look, side = {"fill": "none", "rx": 3}, self.cell - 2 * inset
+        self.sketch.rect(x, y, side, side, stroke="#ffffff", stroke_width=6, **look)
         self.sketch.rect(x, y, side, side, stroke=colour, stroke_width=3.5, **look)
-
-    def path(self, states, colour=RED):
-        """A trail through the middles of cells."""
-        points = [self.middle(s) for s in states]
-        self.sketch.line(points, stroke=PAPER, stroke_width=8, stroke_linecap="round", stroke_opacity=0.8)
-        self.sketch.line(points, stroke=colour, stroke_width=4, stroke_linecap="round")
 
     def mouse(self, state, size=0.22):
         """The mouse in its cell; size: in cells."""
@@ -187,7 +184,7 @@ class Board:
     def corner_note(self, state, words, *, top=False):
         """A few words on a strip of paper in a corner of a cell, the lower right one or the upper right one."""
         x, y = self.middle(state)
-        width, y = 5.8 * len(words) + 4, y + (-1 if top else 1) * (self.cell / 2 - 9)
+        width, y = 5.8 * len(words) + 4, y + (-1 if top else 1) * (self.cell / 2 - (9 if self.cell >= _NARROW else 7))
         x += self.cell / 2 - 2 - width / 2
         self.sketch.rect(x - width / 2, y - 7, width, 14, fill=PAPER, rx=2, data_cell=int(state))
         self.sketch.text(x, y, words, size=11)

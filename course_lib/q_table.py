@@ -1,12 +1,11 @@
 """Learn in an unknown world, with a table: Q-learning (Watkins, 1989; Sutton & Barto, 2nd ed., section 6.5)."""
 
-import ctypes
-
 import gymnasium
 import numpy as np
 
 from course_lib.choice import checked_mask, epsilon_greedy, possible_actions, random_argmax
 from course_lib.files import generator_in, load_arrays, save_arrays
+from course_lib.generators import OneForMany
 from course_lib.history import History, Rollout
 from course_lib.table_world import TableWorld
 from course_lib.validate import fraction, number, whole_number
@@ -199,8 +198,7 @@ def train_side_by_side(env, seeds, num_episodes=1000, *, max_steps=1000, **setti
     """The tables, float64[E, S, A], and the `History`, [E, N], of `QAgent(env, seed=seed, …).train()` for E seeds.
 
     The same to the last bit. Where the world is one of chances, such as a `Maze`, all learn in one compiled call, which
-    leaves the interpreter to other threads: of an agent that learns for a millisecond, half is Python. settings: of
-    `QAgent`. `ValueError` as for it, and without any seed.
+    leaves the interpreter to other threads. settings: of `QAgent`. `ValueError` as for it, and without any seed.
     """
     if not (seeds := [whole_number("seed", seed) for seed in seeds]):
         raise ValueError("seeds must be at least one, got none")
@@ -219,7 +217,7 @@ def train_side_by_side(env, seeds, num_episodes=1000, *, max_steps=1000, **setti
     else:
         from course_lib import kernels
 
-        drawn, world_drawn = _OneForMany(len(seeds)), _OneForMany(len(seeds))
+        drawn, world_drawn = OneForMany(len(seeds)), OneForMany(len(seeds))
         for i, seed in enumerate(seeds):
             rng = np.random.default_rng(seed)
             env.reset(seed=int(rng.integers(2**31)))
@@ -233,25 +231,6 @@ def train_side_by_side(env, seeds, num_episodes=1000, *, max_steps=1000, **setti
             records.returns, records.lengths, records.terminated,
         )  # fmt: skip
     return tables, History(records.returns, records.lengths, records.terminated, ~records.terminated)
-
-
-class _OneForMany:
-    """One generator that compiled loops draw from for E agents in turn, each from a state of its own.
-
-    Many cannot be handed to a loop. But numpy tells where PCG64 keeps its state: number and increment, 4 times 64 bits.
-    """
-
-    def __init__(self, number):
-        rng = np.random.Generator(np.random.PCG64(0))
-        place = ctypes.c_void_p.from_address(rng.bit_generator.ctypes.state_address).value
-        state = np.frombuffer((ctypes.c_uint64 * 4).from_address(place), np.uint64)
-        self.parts = (rng, state, np.zeros((number, 4), np.uint64))
-
-    def keep(self, i, rng):
-        """Agent i goes on from where `rng` stands."""
-        own, state, states = self.parts
-        own.bit_generator.state = rng.bit_generator.state
-        states[i] = state
 
 
 _SETTINGS = ("gamma", "alpha", "epsilon", "epsilon_decay", "alpha_power", "mask_actions", "seed")

@@ -49,6 +49,19 @@ def ends_its_process(seed, of_seed=2, parent=0):
     return {"number": float(seed)}
 
 
+def of_sets(seed):
+    """Has a constant without an order."""
+    return {"number": float(str(seed) in {"1", "2", "three", "four", "five"})}
+
+
+def fails_once(seed, mark):
+    """Fails where nobody has been before."""
+    if not Path(mark).exists():
+        Path(mark).touch()
+        raise OSError("not now")
+    return {"number": float(seed)}
+
+
 class InOrder(Executor):
     """Does the work in a given order, in this thread, once everything has been handed in: `order` of the places."""
 

@@ -215,6 +215,13 @@ def test_a_process_that_ends_breaks_the_study_with_one_clear_error(tmp_path):
     assert results.measures["number"].tolist() == [[0, 1, 2, 3]]
 
 
+def test_a_pool_that_is_broken_already_gives_the_same_error():
+    with ProcessPoolExecutor(1) as pool:
+        pool.submit(os._exit, 9).exception()
+        with pytest.raises(RuntimeError, match="the executor broke: a process ended"):
+            study.run(drawn, {}, seeds=4, executor=pool)
+
+
 def interrupt_soon(path, count):
     """Ctrl-C for this process once the folder holds so many files."""
 

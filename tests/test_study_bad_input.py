@@ -1,5 +1,6 @@
 """What a study refuses, and what it says then: grids, seeds, functions, what these give, who gets them."""
 
+import pickle
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -132,6 +133,20 @@ def test_a_measure_with_nan_is_kept_but_not_summarised():
         results.summary()
 
 
+@pytest.mark.parametrize("name", ["n", "measure", "low", "high", "iqm"])
+def test_a_setting_called_like_a_column_of_the_summary_is_refused_there(name):
+    train = {}
+    exec(f"def train(seed, {name}, scale=1): return {{'x': seed * {name}}}", train)
+    results = study.run(train["train"], {name: [1, 2], "scale": 1}, seeds=3)
+    with pytest.raises(ValueError, match=f"columns of its own called {name}: rename"):
+        results.summary()
+    if name in ("measure", "iqm"):
+        statistic = np.median if name == "iqm" else study.interquartile_mean
+        summary = results.summary("x", statistic=statistic)
+        assert summary[name].tolist() == [1, 2]
+        assert summary.columns.is_unique
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
@@ -185,7 +200,23 @@ if __name__ == "__main__":
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert done.stdout.splitlines()[0] == "Results: 1 settings × 3 seeds: x", done.stderr
     assert "mine is defined in a notebook or a script, where other processes do not find it" in done.stdout
+    assert "copy the file to every computer" in done.stdout
     assert "threads take any function" in done.stdout
+
+
+class Elsewhere(ThreadPoolExecutor):
+    """Threads that only hand work on, as a pool of interpreters does: what they get must be packed."""
+
+    def submit(self, function, *arguments):
+        pickle.dumps((function, *arguments))
+        return super().submit(function, *arguments)
+
+
+def test_an_executor_derived_from_threads_is_not_taken_for_threads():
+    with Elsewhere(2) as pool:
+        assert same(study.run(drawn, {}, executor=pool), study.run(drawn, {}))
+        with pytest.raises(ValueError, match="threads take any function"):
+            study.run(lambda seed: {"x": seed}, {}, executor=pool)
 
 
 def test_local_workers_are_threads():

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 
 import pytest
-from study_worlds import NETWORKS, TABLES, drawn, ends_its_process, fails, same, slow_tables
+from study_worlds import NETWORKS, TABLES, drawn, ends_its_process, fails, fails_once, same, slow_tables
 
 from course_lib import study
 
@@ -111,6 +111,15 @@ def test_a_client_is_no_executor_and_the_error_says_what_is(client):
 def test_an_address_is_the_one_change(cluster):
     with study.workers(cluster.scheduler_address) as there, study.workers() as here:
         assert same(study.run(drawn, {}, executor=there), study.run(drawn, {}, executor=here))
+
+
+def test_what_failed_once_is_tried_again(cluster, tmp_path):
+    grid = {"mark": str(tmp_path / "mark")}
+    with study.workers(cluster.scheduler_address) as there:
+        with pytest.raises(study.CellFailed, match="seed 4: OSError: not now") as failed:
+            study.run(fails_once, grid, seeds=[4], executor=there)
+        assert study.run(fails_once, grid, seeds=[4], executor=there).measures["number"].tolist() == [[4]]
+        assert failed.value.__cause__
 
 
 def test_an_address_of_nobody_is_refused():

@@ -1,5 +1,6 @@
 """Finished cells on disk: what is read again, what is trained anew, and a study that is killed and goes on."""
 
+import importlib
 import json
 import os
 import pickle
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import safetensors.numpy
-from study_worlds import NETWORKS, TABLES, drawn, fails, same, slow_tables
+from study_worlds import NETWORKS, TABLES, drawn, fails, of_sets, same, slow_tables
 
 from course_lib import study
 from course_lib.files import load_arrays, save_arrays
@@ -101,6 +102,82 @@ def test_a_function_without_its_text_is_known_by_what_it_does(tmp_path):
     for name, expected in (("a", [0, 1]), ("b", [0, 3]), ("c", [0, 1])):
         assert study.run(functions[name], {}, seeds=2, folder=tmp_path).measures["x"].tolist() == [expected]
     assert len(files_in(tmp_path)) == 2
+
+
+def of_a_factory(factor, inner=None):
+    """Functions of one text."""
+
+    def train(seed):
+        return {"x": factor * seed, "y": sum(factor for _ in range(seed)) + bool(inner)}
+
+    return train
+
+
+def test_two_functions_of_one_factory_are_two(tmp_path):
+    for factor in (1, 3, 1.0, 1):
+        results = study.run(of_a_factory(factor), {}, seeds=3, folder=tmp_path)
+        assert results.measures["x"].tolist() == [[0, factor, 2 * factor]]
+    assert len(files_in(tmp_path)) == 3
+    for _ in range(2):  # an object has no text but its address, by which it would never be found again
+        study.run(of_a_factory(1, inner=object()), {}, seeds=3, folder=tmp_path)
+        assert len(files_in(tmp_path)) == 4
+
+
+FACTOR, PARTS = 2, {"a": [1]}
+
+
+def of_globals(seed):
+    return {"x": FACTOR * seed + sum(part for part in PARTS["a"])}
+
+
+def test_what_a_function_reads_outside_is_noticed(tmp_path, monkeypatch):
+    def found():
+        return study.run(of_globals, {}, seeds=2, folder=tmp_path).measures["x"].tolist()
+
+    assert found() == [[1, 3]]
+    monkeypatch.setitem(globals(), "FACTOR", 5)
+    assert found() == [[1, 6]]
+    monkeypatch.setitem(PARTS, "a", [2, 3])
+    assert found() == [[5, 10]]
+    monkeypatch.setitem(globals(), "HERE", Path("elsewhere"))
+    assert found() == [[5, 10]]
+    assert len(files_in(tmp_path)) == 3
+
+
+def test_a_changed_default_is_noticed(tmp_path):
+    def train(seed, a=1, *, b=1):
+        return {"x": a + b + seed}
+
+    found = []
+    for train.__defaults__, train.__kwdefaults__ in (((1,), {"b": 1}), ((2,), {"b": 1}), ((2,), {"b": 9})):
+        found.append(study.run(train, {}, seeds=[0], folder=tmp_path).measures["x"].item())
+    assert found == [2, 3, 11]
+
+
+def test_a_file_that_was_edited_but_not_loaded_again_does_not_lend_its_text(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    path = tmp_path / "edited_training.py"
+    path.write_text("def train(seed):\n    return {'x': seed}\n")
+    module = importlib.import_module("edited_training")
+    path.write_text("def train(seed):\n    return {'x': 100 * seed}\n")
+    assert study.run(module.train, {}, seeds=2, folder=tmp_path / "cells").measures["x"].tolist() == [[0, 1]]
+    importlib.reload(module)
+    assert study.run(module.train, {}, seeds=2, folder=tmp_path / "cells").measures["x"].tolist() == [[0, 100]]
+    del sys.modules["edited_training"]
+
+
+def test_a_function_is_known_again_in_another_process_and_after_use(tmp_path):
+    """Sets have another order in each process, and code that is warm is optimised by Python itself."""
+    code = "import sys; sys.path.insert(0, {!r}); from study_worlds import *; study.run(of_sets, {{}}, folder={!r})"
+    for seed in "123":
+        done = [sys.executable, "-c", code.format(str(HERE), str(tmp_path))]
+        subprocess.run(done, env=os.environ | {"PYTHONHASHSEED": seed}, check=True, timeout=60)
+    assert len(files_in(tmp_path)) == 1
+    for i in range(2000):
+        of_sets(i)
+    study.run(of_sets, {}, folder=tmp_path)
+    assert len(files_in(tmp_path)) == 1
 
 
 # --- damaged and foreign files ----------------------------------------------------------------------------------------

@@ -90,7 +90,8 @@ def check_importable(train):
     where = "in a notebook or a script" if module == "__main__" else f"within another function of {module}"
     raise ValueError(
         f"{train.__name__} is defined {where}, where other processes do not find it. Put it into a file of its own"
-        f" beside the notebook and import it from there, or leave out the executor: threads take any function"
+        f" beside the notebook and import it from there (on a cluster: copy the file to every computer, into the folder"
+        f" where python -m dask is started), or leave out the executor: threads take any function"
     )
 
 

@@ -61,11 +61,16 @@ class Results:
 
         measure   the one to summarise; None: all, with a column that names them
         statistic of another name has a column of that name in place of `iqm`. With one seed there is no interval, and
-        low and high are NaN. `ValueError` for an unknown measure, and for one with NaN or infinity.
+        low and high are NaN. `ValueError` for an unknown measure, for one with NaN or infinity, and for a setting
+        that is called like another column.
         """
         import pandas as pd
 
         name = "iqm" if statistic is interquartile_mean else statistic.__name__
+        columns = ["n", name, "low", "high"] + ["measure"] * (measure is None)
+        taken = [column for column in columns if any(column in chosen for chosen in self.settings)]
+        if taken:
+            raise ValueError(f"a summary has columns of its own called {', '.join(taken)}: rename those settings")
         tables = []
         for each in list(self.measures) if measure is None else [measure]:
             rows = self._columns()

@@ -25,16 +25,19 @@ def run(train, grid, *, seeds=10, block=25, executor=None, folder=None, progress
     train     train(seed, **settings) of one agent, which gives {name: number or curve [N]}; or train(seeds, **settings)
               of a block of them, int64[B], which gives {name: [B] or [B, N]}. What it gives must depend on nothing but
               its arguments, so it makes its environment itself: threads would share one made outside. Then results are
-              the same to the last bit wherever and in whatever order it is called
+              the same to the last bit wherever and in whatever order it is called, on computers of one kind with the
+              same versions of Python, numpy and numba
     grid      {name: values}: every combination; a list, tuple, range or array is several values, anything else one. Or
               a list of dictionaries, the settings themselves. Values are plain: numbers, text, None, lists of them, …
     seeds     how many (0, 1, 2, …), or which
-    block     how many seeds are one piece of work, a cell
+    block     how many seeds are one piece of work, a cell: given to one worker, finished and kept as a whole. Where a
+              training takes minutes, take few or 1, so that all workers have something to do and little is lost
     executor  any `concurrent.futures.Executor`; None: threads, one for each core. They share the work where training is
               compiled, as in `train_tables`; what is Python, or torch, is better off in a `ProcessPoolExecutor`. Where
               other processes may work, `train` must be importable there
-    folder    where finished cells are kept, and read instead of being trained again (see `Kept`). The function that
-              trains is known by its own text: after a change to what it calls, take another folder
+    folder    where finished cells are kept, and read instead of being trained again (see `Kept`). What the
+              function uses from outside is noticed where it is plain (numbers, texts, lists); functions that it calls
+              are not: change those, and take a new folder
     progress  shows a bar
 
     Stopped (Ctrl-C, or a failure), it cancels what has not begun, and threads give up after the call of `train` that
@@ -46,7 +49,7 @@ def run(train, grid, *, seeds=10, block=25, executor=None, folder=None, progress
     at_once, cells = takes_blocks(train, settings), cells_of(settings, seeds, block)
     if executor is not None and not isinstance(executor, Executor):
         raise ValueError(f"executor must be a concurrent.futures.Executor, got {executor!r}")
-    threads = executor is None or isinstance(executor, ThreadPoolExecutor)
+    threads = executor is None or type(executor) is ThreadPoolExecutor  # one derived from it may send work elsewhere
     if not threads:
         check_importable(train)
     kept = None if folder is None else Kept(folder, train)
@@ -75,7 +78,11 @@ def _finished(train, at_once, cells, missing, executor, threads, *, keep_on):
         try:
             for i in missing:
                 cell = cells[i]
-                futures[pool.submit(run_cell, train, at_once, cell.settings, cell.seeds, *more)] = i
+                try:
+                    future = pool.submit(run_cell, train, at_once, cell.settings, cell.seeds, *more)
+                except BrokenExecutor as error:
+                    raise _broken() from error
+                futures[future] = i
             for future in as_completed(list(futures)):
                 i = futures.pop(future)
                 try:
@@ -102,12 +109,17 @@ def _result(future, cell):
     except CellFailed:
         raise
     except BrokenExecutor as error:
-        raise RuntimeError(
-            "the executor broke: a process ended, or did not find the function that trains, which must be importable"
-            " there; what is finished is kept if there is a folder, and the same call goes on"
-        ) from error
+        raise _broken() from error
     except Exception as error:
         raise CellFailed(f"{described(cell.settings, cell.seeds)}: {type(error).__name__}: {error}") from error
+
+
+def _broken():
+    """The error for an executor that does no more work."""
+    return RuntimeError(
+        "the executor broke: a process ended, or did not find the function that trains, which must be importable"
+        " there; what is finished is kept if there is a folder, and the same call goes on with a new executor"
+    )
 
 
 @contextmanager
@@ -149,7 +161,7 @@ def workers(address=None, *, threads=None):
     except (OSError, ValueError, TypeError) as error:
         raise ValueError(f"address must be that of a Dask scheduler, got {address!r}: {error}") from None
     with client:
-        yield client.get_executor()
+        yield client.get_executor(pure=False)  # what failed is tried again, not remembered
 
 
 @contextmanager

@@ -15,7 +15,7 @@ _NUMBERS_AT_ONCE = 2**21  # of resampled runs, so that memory stays small
 
 
 class Estimate(NamedTuple):
-    """A number from many runs, and the interval that it may lie in; each a float, or float64[N] of a curve.
+    """A number from many runs, and an interval around it; each a float, or float64[N] of a curve.
 
     middle is what the runs themselves give, low and high are the ends of the bootstrap's interval.
     """
@@ -28,8 +28,9 @@ class Estimate(NamedTuple):
 def interquartile_mean(scores, axis=None):
     """The mean of the middle half: the lowest quarter and the highest, int(n / 4) runs each, are left out.
 
-    It is rliable's `aggregate_iqm`, SciPy's `trim_mean(scores, 0.25)`: over all scores, or along `axis`. Less noisy
-    than the median, and not led astray by a few runs as the mean is. `ValueError` for no runs, NaN or infinity.
+    It is rliable's `aggregate_iqm`, SciPy's `trim_mean(scores, 0.25)`: over all scores, or along `axis`. As a rule
+    less noisy than the median, and not led astray by a few runs as the mean is. `ValueError` for no runs, NaN or
+    infinity.
     """
     scores = _checked(scores)
     scores = scores.reshape(-1) if axis is None else np.moveaxis(scores, axis, -1)
@@ -60,8 +61,9 @@ def bootstrap(scores, statistic=interquartile_mean, *, confidence=0.95, resample
 def difference(scores, others, statistic=interquartile_mean, *, confidence=0.95, resamples=2000, seed=0):
     """`Estimate` of statistic(scores) - statistic(others), the runs of both drawn anew independently of each other.
 
-    Where the interval does not hold 0, the two differ by more than the luck of their seeds, unless they were chosen
-    among many. Shapes and `ValueError` as for `bootstrap`; both must have the same tasks.
+    Where the interval does not hold 0, luck alone would seldom make such a difference: in about 1 - confidence of all
+    studies of equals, more often with few runs, and far more often if the two were chosen among many. Shapes and
+    `ValueError` as for `bootstrap`; both must have the same tasks.
     """
     both, rng, resamples = _pair(scores, others), _generator(seed), whole_number("resamples", resamples, at_least=1)
     statistic = _quick(statistic)

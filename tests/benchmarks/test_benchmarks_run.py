@@ -4,6 +4,7 @@ from contextlib import ExitStack
 
 import checks
 import dqn
+import explorers
 import market
 import numpy as np
 import planning
@@ -186,3 +187,14 @@ def test_market_says_what_is_not_installed(capsys, monkeypatch):
 
 def tiny_market(passes):
     market.main(num_steps=50, walk_steps=50, repeats=1, passes=passes, sb3_steps=1, network_steps=1, long_repeats=1)
+
+
+def test_explorers_are_measured_in_a_browser():
+    pytest.importorskip("playwright", reason='playwright is not installed: pip install -e ".[browser]"')
+    if not explorers.find_browser():
+        pytest.skip("there is no browser")
+    taken = explorers.measure(3)
+    assert [what.split(":")[0] for what in taken][:2] == ["limit", "usual"]
+    for lesson in ("02 Bellman by hand", "03 One update at a time", "03 The Q-learning explorer"):
+        assert any(what.startswith(lesson) for what in taken)
+    assert all(0 < milliseconds < 60_000 for numbers in taken.values() for milliseconds in numbers)

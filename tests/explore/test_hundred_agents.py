@@ -345,14 +345,3 @@ def test_what_there_is_not_is_refused_before_anything_changes():
 
 def test_a_hundred_agents_are_a_hundred():
     assert (hundred_agents.NUM_AGENTS, QLearning().trained.moves.shape) == (100, (100, NUM_EPISODES))
-
-
-def test_all_sliders_go_back_to_where_they_stood():
-    state = QLearning(Maze(wall_ends_episode=False, slip=0.1))
-    first = state.view()
-    for control in first.controls:
-        if control.kind == "slider":
-            state.turn(control.name, 0)
-    assert state.view().panels != first.panels
-    state.press("first")
-    assert state.view() == first

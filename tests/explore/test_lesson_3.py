@@ -6,7 +6,7 @@ import nbformat
 import numpy as np
 import pytest
 
-from course_lib import Action
+from course_lib import Action, Maze
 from course_lib.explore.hundred_agents import QLearning
 from course_lib.explore.td_update import OneUpdate
 from course_lib.plots.board import acting_states
@@ -121,3 +121,14 @@ def test_slips(said):
 def worths(message):
     worth, truth = message.split("The start is worth ")[1].rstrip(".").split(" to the middle agent, exactly ")
     return worth, truth
+
+
+def test_all_sliders_go_back_to_where_they_stood():
+    state = QLearning(Maze(wall_ends_episode=False, slip=0.1))
+    first = state.view()
+    for control in first.controls:
+        if control.kind == "slider":
+            state.turn(control.name, 0)
+    assert state.view().panels != first.panels
+    state.press("first")
+    assert state.view() == first

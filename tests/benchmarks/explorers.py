@@ -96,7 +96,7 @@ def explorers_of(lab, name, number):
             taken[f"{title}: {button.inner_text()}"] = [one for one in presses if one is not None]
             for slider in explorer.locator("input[type=range]").all():
                 at, last = int(slider.input_value()), int(slider.get_attribute("max"))
-                what = f"{title}: {slider.locator('xpath=../span').inner_text()}"
+                what = f"{title}: {slider.locator('xpath=../span').first.inner_text()}"
                 taken[what] = moves(lab.page, slider, picture, at, last, number)
     return {what: numbers for what, numbers in taken.items() if len(numbers) > number / 2}
 

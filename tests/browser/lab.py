@@ -240,6 +240,7 @@ class Lab:
             shutil.copy(NOTEBOOKS / name, self.server.folder / name)
         notebook = Notebook(self, name, len(self.complaints), patience)
         try:
+            notebook.dress("light", WIDTHS[0])  # whatever the one before has left
             notebook.ask("open", name)
             notebook.wait_for_kernel()
             notebook.settle()

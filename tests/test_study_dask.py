@@ -89,8 +89,14 @@ def test_a_failing_cell_is_named_there_too(client):
 
 @pytest.mark.skipif(os.name != "posix", reason="as processes end there")
 def test_a_cell_that_ends_every_worker_is_named_and_the_others_are_kept(client, tmp_path):
+    """Dask cannot know which task ended a worker, and may give up one that always stood beside it: then call again."""
+    for attempt in range(10):
+        with pytest.raises(study.CellFailed, match=r"seed \d: KilledWorker"):
+            study.run(ends_its_process, {}, seeds=6, block=1, executor=client.get_executor(pure=False), folder=tmp_path)
+        if len(list(tmp_path.glob("cell-*"))) == 5:
+            break
     with pytest.raises(study.CellFailed, match="seed 2: KilledWorker"):
-        study.run(ends_its_process, {}, seeds=6, block=1, executor=client.get_executor(), folder=tmp_path)
+        study.run(ends_its_process, {}, seeds=6, block=1, executor=client.get_executor(pure=False), folder=tmp_path)
     assert len(list(tmp_path.glob("cell-*"))) == 5
     client.wait_for_workers(2, timeout=60)
 

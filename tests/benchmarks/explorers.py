@@ -115,12 +115,12 @@ def peers(lab, number):
         }
 
 
-def measure(number=MOVES):
+def measure(number=MOVES, lessons=LESSONS):
     """{what is moved: milliseconds}, peers first."""
     program = find_browser() or sys.exit("needs a browser")
     with jupyter_lab() as server, open_browser(program) as browser, open_lab(browser, server) as lab:
         taken = peers(lab, number)
-        for name in LESSONS:
+        for name in lessons:
             taken |= explorers_of(lab, name, number)
     return taken
 

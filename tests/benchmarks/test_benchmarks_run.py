@@ -193,8 +193,7 @@ def test_explorers_are_measured_in_a_browser():
     pytest.importorskip("playwright", reason='playwright is not installed: pip install -e ".[browser]"')
     if not explorers.find_browser():
         pytest.skip("there is no browser")
-    taken = explorers.measure(3)
+    taken = explorers.measure(2, explorers.LESSONS[:1])
     assert [what.split(":")[0] for what in taken][:2] == ["limit", "usual"]
-    for lesson in ("02 Bellman by hand", "03 One update at a time", "03 The Q-learning explorer"):
-        assert any(what.startswith(lesson) for what in taken)
+    assert sum(what.startswith("02 Bellman by hand") for what in taken) > 2
     assert all(0 < milliseconds < 60_000 for numbers in taken.values() for milliseconds in numbers)

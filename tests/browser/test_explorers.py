@@ -267,6 +267,8 @@ def test_controls_that_come_and_go_leave_the_focus_where_it_is(explorers):
 def test_a_kernel_that_is_gone_is_told(explorers):
     """Last, since it ends the kernel."""
     notebook, all_hands = explorers
+    if "00" not in notebook.name:
+        pytest.skip("it is the widget that tells it, and there is one for all")
     hands = all_hands[0]
     notebook.lab.page.evaluate("void window.jupyterapp.commands.execute('kernelmenu:restart')")
     notebook.lab.page.locator(".jp-Dialog .jp-mod-accept").click()

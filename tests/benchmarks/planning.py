@@ -24,8 +24,8 @@ SEARCH, QUANTECON_AT_LEAST = "breadth-first search in C", 20
 class Search:
     """The breadth-first search of one maze, and room for what it finds."""
 
-    def __init__(self, library, maze):
-        self.library, self.maze = library, maze
+    def __init__(self, searcher, maze):
+        self.searcher, self.maze = searcher, maze
 
     def run(self):
         """Fill `distance`, int32[S], with the moves from each cell to the goal (-1: no way); the seconds it took."""
@@ -33,7 +33,7 @@ class Search:
         self.distance, queue = np.empty(maze.grid.size, np.int32), np.empty(maze.grid.size, np.int32)
         shape_and_goal = whole(maze.rows), whole(maze.columns), whole(maze.goals[0])
         found = address(self.distance), address(queue)
-        return seconds(lambda: self.library.breadth_first(address(maze.grid), *shape_and_goal, *found))
+        return seconds(lambda: self.searcher.breadth_first(address(maze.grid), *shape_and_goal, *found))
 
 
 def check_search(search, gamma):

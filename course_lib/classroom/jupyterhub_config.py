@@ -40,6 +40,10 @@ c.Spawner.environment = {
 # A whole class that logs in at once waits in a line.
 c.JupyterHub.concurrent_spawn_limit = 8
 c.Spawner.start_timeout = c.Spawner.http_timeout = 180
+# One that is interrupted in the midst of an answer may never end (https://github.com/jupyterlab/jupyterlab/issues/10442);
+# so that nobody waits a minute for it, it is killed after these seconds.
+c.LocalProcessSpawner.interrupt_timeout = 10
+c.LocalProcessSpawner.term_timeout = 5
 
 
 def keep_home_private(spawner):

@@ -4,7 +4,6 @@ import asyncio
 import json
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -73,11 +72,13 @@ def running_hub(folder):
         wait_until(lambda: process.poll() is not None or hub.is_up(), 60, log.read_text)
         yield hub
     finally:
-        process.send_signal(signal.SIGTERM)
-        try:
-            process.wait(30)
-        except subprocess.TimeoutExpired:
-            process.kill()
+        stop(process)
+
+
+def stop(process):
+    """End a hub as a system does; the longest it may take is what its settings give to a server that does not hear."""
+    process.terminate()
+    process.wait(40)
 
 
 def wait_until(condition, seconds, words):

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -12,7 +13,7 @@ import pytest
 from nbformat import read, write
 
 from . import machine
-from .hub import Visitor, free_ports, wait_until
+from .hub import Visitor, free_ports, stop, wait_until
 from .school import REAL, REPOSITORY, programs, real_answers
 
 GUIDE = REPOSITORY / "course_lib" / "classroom" / "GUIDE.md"
@@ -71,8 +72,7 @@ def started(commands):
     try:
         yield f"http://127.0.0.1:{port}"
     finally:
-        process.terminate()
-        process.wait(60)
+        stop(process)
 
 
 @pytest.fixture(scope="module")
@@ -134,6 +134,8 @@ def test_a_class_on_the_hub(guide, ready):  # noqa: ARG001 (it decides whether t
             for learner, score in ((ann, "17.0"), (ben, "0.0")):
                 (taken,) = learner.read(f"{REAL}/feedback")
                 assert f"(Score: {score} / 17.0)" in learner.read(f"{taken['path']}/04_homework_1.html")
+            # A server that hears nothing any more does not keep the hub from its end.
+            os.kill(ben.server_process(), signal.SIGSTOP)
 
 
 def test_links(guide):

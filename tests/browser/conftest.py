@@ -2,20 +2,10 @@
 
 import os
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 
 from .lab import BROWSERS, find_browser, jupyter_lab, open_browser, open_lab
-
-
-def pytest_collection_modifyitems(items):
-    """Tests of one notebook go to one worker (`pytest -n 2 --dist loadgroup`), which opens it once for all of them."""
-    for item in items:
-        if item.path.parent == Path(__file__).parent:
-            numbers = item.callspec.indices if hasattr(item, "callspec") else {}
-            notebook = [f"{name} {number}" for name, number in numbers.items() if name in ("explorers", "lesson")]
-            item.add_marker(pytest.mark.xdist_group(" ".join([item.path.stem, *notebook])))
 
 
 def do_without(reason):

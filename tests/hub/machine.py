@@ -12,12 +12,16 @@ import sys
 import tempfile
 import time
 from contextlib import contextmanager, suppress
+from functools import cache
+from itertools import count
 from pathlib import Path
 
 import course_lib
 
 _NEW_MOUNTS = 0x00020000  # CLONE_NEWNS
+_OWN_FOLDER = 0x00000200  # CLONE_FS; a thread that shares its working folder with others cannot go elsewhere
 _OURS = "/proc/thread-self/ns/mnt"
+_MACHINES = count()
 
 
 def why_not():
@@ -35,13 +39,14 @@ def why_not():
 def own_machine(*programs):
     """This thread, and what it starts, sees a copy of /etc, and empty /home and /srv; `programs` stay where they are.
 
-    Whatever runs in it is killed in the end.
+    Whatever runs in it is killed in the end. One that is made in another has nothing of it.
     """
-    libc = ctypes.CDLL(None, use_errno=True)
-    before = os.open(_OURS, os.O_RDONLY)
+    outside, before = _outside(), os.open(_OURS, os.O_RDONLY)
+    _checked(_libc().unshare(_OWN_FOLDER))
+    _enter(outside)
     stash = tempfile.mkdtemp(prefix="machine-")
     umask = os.umask(0o022)
-    _checked(libc.unshare(_NEW_MOUNTS))
+    _checked(_libc().unshare(_NEW_MOUNTS))
     try:
         _mount("--make-rprivate", "/")
         _mount("-t", "tmpfs", "-o", "mode=711", "tmpfs", stash)
@@ -54,9 +59,27 @@ def own_machine(*programs):
     finally:
         os.umask(umask)
         _end_all_in(os.readlink(_OURS))
-        _checked(libc.setns(before, _NEW_MOUNTS))
+        _enter(before)
         os.close(before)
         os.rmdir(stash)
+
+
+@cache
+def _libc():
+    return ctypes.CDLL(None, use_errno=True)
+
+
+@cache
+def _outside():
+    """What is mounted where no machine has been made yet."""
+    return os.open(_OURS, os.O_RDONLY)
+
+
+def _enter(mounts):
+    """See these mounts, in the same folder: the kernel goes to / otherwise."""
+    folder = os.getcwd()
+    _checked(_libc().setns(mounts, _NEW_MOUNTS))
+    os.chdir(folder)
 
 
 def account(name, *, groups=(), password=None):
@@ -68,9 +91,9 @@ def account(name, *, groups=(), password=None):
 
 def _own_numbers(settings):
     """User ids that no other machine of the tests has: processes and ports are seen across all of them."""
-    first = 100_000 + os.getpid() % 5000 * 200
+    first = 100_000 + os.getpid() % 1000 * 1000 + next(_MACHINES) % 10 * 100
     with settings.open("a") as file:
-        file.writelines(f"\n{kind}_MIN {first}\n{kind}_MAX {first + 199}\n" for kind in ("UID", "GID"))
+        file.writelines(f"\n{kind}_MIN {first}\n{kind}_MAX {first + 99}\n" for kind in ("UID", "GID"))
 
 
 def _open_parts(folder):

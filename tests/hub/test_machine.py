@@ -42,3 +42,17 @@ def test_accounts_can_run_what_the_tests_run(ready):  # noqa: ARG001
             "import course_lib, jupyterhub",
         ]
         assert subprocess.run(command, cwd="/").returncode == 0
+
+
+def test_one_in_another_has_nothing_of_it(ready):  # noqa: ARG001
+    folder = os.getcwd()
+    with machine.own_machine():
+        machine.account("of-the-first")
+        first = pwd.getpwnam("of-the-first").pw_uid
+        with machine.own_machine():
+            assert os.listdir("/home") == []
+            machine.account("of-the-second")
+            assert pwd.getpwnam("of-the-second").pw_uid != first
+        assert os.listdir("/home") == ["of-the-first"]
+        assert os.getcwd() == folder
+    assert os.getcwd() == folder

@@ -6,11 +6,12 @@ import numpy as np
 
 from course_lib.bellman import action_values, bellman_sweep, evaluate_policy
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import Board, acting_states, best_actions, place, short, small_maze
+from course_lib.explore.drawing.board import Board, acting_states, best_actions, place
 from course_lib.explore.equation import STEADY, Equation, error_chart, written
 from course_lib.explore.explorer import Explorer
-from course_lib.explore.worlds import counted
-from course_lib.maze import Action, Maze, Tile
+from course_lib.explore.numerals import numeral, short
+from course_lib.explore.worlds import counted, own_maze, with_rules
+from course_lib.maze import Action, Tile
 from course_lib.plots.picture import BLUE
 from course_lib.validate import whole_number
 
@@ -31,12 +32,11 @@ class BellmanByHand:
     title = "Bellman by hand"
 
     def __init__(self, maze=None):
-        maze = small_maze(Maze(wall_reward=0.0, wall_ends_episode=False) if maze is None else maze)
-        self._first = maze
+        self._first = maze = own_maze(maze, wall_reward=0.0, wall_ends_episode=False)
         pays = sorted({round(0.1 * i - 1, 1) for i in range(21)} | set(maze.cell_rewards.ravel().tolist()))
         slips = sorted({round(0.05 * i, 2) for i in range(13)} | {maze.slip})
         stops = {
-            "gamma": ("discount γ", _GAMMAS, "{:g}".format),
+            "gamma": ("discount γ", _GAMMAS, numeral),
             "slip": ("slip", slips, "{:.3g}".format),
             "reward": ("", pays, written),
             "at_once": ("solve at once", (False, True)),
@@ -215,8 +215,7 @@ class BellmanByHand:
             self.message = f"{what} Values and policy are still those of before: evaluate, improve."
 
     def _build(self):
-        rules = self._first.spec.kwargs | {"grid": self._grid, "cell_rewards": self._paid, "slip": self.dials.slip}
-        self.world = Maze(**rules)
+        self.world = with_rules(self._first, grid=self._grid, cell_rewards=self._paid, slip=self.dials.slip)
 
     def _restore(self):
         self._grid, self._paid = self._first.grid.copy(), self._first.cell_rewards.copy()
@@ -295,7 +294,7 @@ class BellmanByHand:
         roomy = board.cell >= _ROOMY
         notes = {self.world.start: "start" if roomy else "S"}
         for s in np.flatnonzero(self.world.cell_rewards.ravel()).tolist():
-            notes[s] = f"{notes.get(s, '')} {self.world.cell_rewards.flat[s]:+.3g}".strip().replace("-", "−")
+            notes[s] = f"{notes.get(s, '')} {numeral(self.world.cell_rewards.flat[s], '+.3g')}".strip()
         for s, note in notes.items():
             board.corner_note(s, note, top=True)
         hint = "Click a cell, or go to it with the arrow keys. Orange, filled arrows: the way from the start"
@@ -309,7 +308,8 @@ class BellmanByHand:
             names = "any way" if len(best) == len(Action) else " or ".join(Action(a).name.lower() for a in best)
             told.append(f"cell {s}: {short(round(self.values[s], 12))}, {names}")
         walls = ", ".join(map(str, np.flatnonzero(self.world.grid == Tile.WALL))) or "none"
-        pays = [f"{s}: {self.world.cell_rewards.flat[s]:+.3g}" for s in np.flatnonzero(self.world.cell_rewards)]
+        paid = self.world.cell_rewards.ravel()
+        pays = [f"{s}: {numeral(paid[s], '+.3g')}" for s in np.flatnonzero(paid)]
         words = f"{place(self.world, self.cell).capitalize()} is chosen. Values and policy: {'; '.join(told)}."
         words += f" Walls: {walls}. Start: {self.world.start}. Cheese: {', '.join(map(str, self.world.goals))}."
         return words + (f" Extra rewards on entering: {', '.join(pays)}." if pays else "")

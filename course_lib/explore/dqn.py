@@ -5,12 +5,14 @@ import numpy as np
 from course_lib.bellman import value_iteration
 from course_lib.explore.controls import Button, Dials, Panel, View
 from course_lib.explore.drawing import nodes
-from course_lib.explore.drawing.board import Board, place, small_maze
+from course_lib.explore.drawing.board import Board, place
 from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.drawing.sketch import shade
 from course_lib.explore.explorer import Explorer
+from course_lib.explore.numerals import two_places
 from course_lib.explore.training import BETWEEN, EPISODES, GAMMA, PARTS, Training
-from course_lib.maze import MOVES, Action, Maze, Tile
+from course_lib.explore.worlds import counted, own_maze
+from course_lib.maze import MOVES, Action, Tile
 from course_lib.plots.board import acting_states, best_actions
 from course_lib.plots.picture import INK
 from course_lib.validate import whole_number
@@ -39,7 +41,7 @@ class InsideTheNetwork:
     title = "Inside the network"
 
     def __init__(self, maze=None):
-        self.maze = Maze(wall_reward=0.0) if maze is None else small_maze(maze, _MOST_ROWS)
+        self.maze = own_maze(maze, most=_MOST_ROWS, wall_reward=0.0)
         self.exact = value_iteration(self.maze.mdp, GAMMA)
         self._acting = acting_states(self.maze).tolist()
         known = self.exact.q[self._acting]
@@ -160,7 +162,8 @@ class InsideTheNetwork:
                 self._show(self._wanted)
             if run.episodes == EPISODES:
                 self._training = None
-                self._say(f"Trained: {run.name}.")
+                best = self._finds_the_way()
+                self._say(f"Trained: {run.name}. It finds the best way at {best.sum()} of {len(best)} moments.")
             yield
 
     def _show(self, episode):
@@ -173,16 +176,20 @@ class InsideTheNetwork:
         q, start = self.moment.q, self.maze.start
         best = int(q[self.cell].argmax())
         said = f"{place(self.maze, self.cell).capitalize()} after {self._episode} episodes:"
-        said += f" the best is {Action(best).name}, {q[self.cell, best]:z.2f} ({self._truth()})."
-        said += f" From the start its arrows bring a discounted return of {self.moment.earned:z.2f};"
-        said += f" the best possible is {self.exact.values[start]:z.2f}."
+        said += f" the best is {Action(best).name}, {two_places(q[self.cell, best])} ({self._truth()})."
+        said += f" From the start its arrows bring a discounted return of {two_places(self.moment.earned)};"
+        said += f" the best possible is {two_places(self.exact.values[start])}."
         self.message = f"{first} {said}".strip()
 
     def _truth(self):
         if self.cell in self._acting:
-            return f"exact: {self.exact.values[self.cell]:z.2f}"
+            return f"exact: {two_places(self.exact.values[self.cell])}"
         where = "inside a wall" if self.maze.grid.flat[self.cell] == Tile.WALL else "at the cheese"
         return f"nobody ever acts {where}; a table would hold 0"
+
+    def _finds_the_way(self):
+        """bool[moments]: whether the arrows lead the best way from the start then."""
+        return np.array([moment.earned for moment in self.run.moments]) > self.exact.values[self.maze.start] - 1e-6
 
     def _map(self):
         board = Board(self.maze, f"max Q after {self._episode} episodes")
@@ -191,6 +198,7 @@ class InsideTheNetwork:
             board.fill(s, shade(self.moment.q[s].max(), *self._colours)[0])
         board.cheese()
         board.frame(self.cell, inset=0)
+        board.key(*self._colours)
         told = [self._write_into(board, s) for s in range(self.maze.grid.size)]
         words = f"What the network says of every cell after {self._episode} episodes of training: {'; '.join(told)}."
         hint = "Click a cell, or walk with the arrow keys. In each: its number, how many actions were taken in it (×),"
@@ -207,20 +215,20 @@ class InsideTheNetwork:
         board.sketch.text(x + corner, y - corner + 6, f"{visits:,}×", size=11, anchor="end", colour=ink)
         if acts:
             look = {"size": 15, "colour": ink, "font_weight": "600"}
-            board.sketch.text(x - 0.2 * board.cell, y, f"{q.max():z.2f}", **look)
+            board.sketch.text(x - 0.2 * board.cell, y, two_places(q.max()), **look)
             for a in best_actions(q):
                 board.arrow(s, Action(a), aside=0.25, start=-0.14)
-            board.note(s, f"exact {exact:z.2f}", colour=ink)
+            board.note(s, f"exact {two_places(exact)}", colour=ink)
         else:
-            board.note(s, f"{q.max():z.2f}", colour=ink, down=0.0 if wall else 0.36, size=13)
-        truth = f"exact {exact:z.2f}" if acts else "nobody acts here"
-        return f"cell {s}: {q.max():z.2f} by {Action(int(q.argmax())).name}, {truth}, {visits} actions taken"
+            board.note(s, two_places(q.max()), colour=ink, down=0.0 if wall else 0.36, size=13)
+        truth = f"exact {two_places(exact)}" if acts else "nobody acts here"
+        return f"cell {s}: {two_places(q.max())} by {Action(int(q.argmax())).name}, {truth}, {visits} actions taken"
 
     def _network(self):
         layers = self.moment.layers
         arriving, q = nodes.forward(layers, np.eye(self.maze.grid.size)[self.cell])
         dead = nodes.dead_nodes(layers)
-        speak = [f"{i + 1}: {v:z.2f}" for i, v in enumerate(arriving) if v > 0]
+        speak = [f"{i + 1}: {two_places(v)}" for i, v in enumerate(arriving) if v > 0]
         words = f"Input {self.cell} is 1, all others are 0. {len(speak)} of {len(arriving)} hidden nodes speak:"
         words += f" {', '.join(speak) or 'none'}. {len(arriving) - len(speak)} are silent,"
         words += f" and of these {dead.sum()} dead: silent in every cell."
@@ -251,30 +259,30 @@ class InsideTheNetwork:
         )  # fmt: skip
         words = f"max Q of cell {self.cell} through training."
         if exact is not None:
-            chart.rule(exact, f"exact {exact:z.2f}", above=False)
-            words += f" Exact is {exact:z.2f}."
+            chart.rule(exact, f"exact {two_places(exact)}", above=False)
+            words += f" Exact is {two_places(exact)}."
         for which, ((time, run), values) in reversed(list(enumerate(zip(shown, lines, strict=True)))):
             at = np.arange(len(values)) * BETWEEN
             chart.line(at, values, which)
             if run.episodes == 0:
                 chart.points(at, values, which)
-            told = ", ".join(f"{values[i]:z.2f} after {at[i]}" for i in range(0, len(at), 10))
+            told = ", ".join(f"{two_places(values[i])} after {at[i]}" for i in range(0, len(at), 10))
             words += f" {time.capitalize()} ({run.name}): {told} episodes."
         for which, (time, run) in enumerate(shown):
             chart.legend(f"{time}: {run.name}", which)
-        best = np.array([m.earned for m in self.run.moments]) > self.exact.values[self.maze.start] - 1e-6
+        best = self._finds_the_way()
         chart.points(np.flatnonzero(best) * BETWEEN, np.full(best.sum(), span[1]), 2, size=2.5, shape="square")
-        chart.legend("at the top: arrows of “now” lead the best way", 2, kind="square")
+        chart.legend(f"at the top: best way, “now” at {best.sum()} of {counted(len(best), 'moment')}", 2, kind="square")
         words += f" Its arrows lead the best way from the start at {best.sum()} of {len(best)} moments"
         words += f" and lose it again {(best[:-1] & ~best[1:]).sum()} times."
         now = lines[0][self._episode // BETWEEN]
         chart.line([self._episode] * 2, span, stroke=INK, stroke_width=1, stroke_dasharray="4 3")
         chart.points([self._episode], [now], size=5)
         near = (self._episode < 0.06 * EPISODES) - (self._episode > 0.97 * EPISODES)  # an end of the axis
-        chart.note(self._episode, now, f"{now:z.2f}", shift=16 * near)
-        words += f" Looked at: after {self._episode} episodes, {now:z.2f}."
+        chart.note(self._episode, now, two_places(now), shift=16 * near)
+        words += f" Looked at: after {self._episode} episodes, {two_places(now)}."
         return Panel("curve", words, chart.svg())
 
 
 def _listed(q):
-    return ", ".join(f"{a.name} {q[a]:z.2f}" for a in Action)
+    return ", ".join(f"{a.name} {two_places(q[a])}" for a in Action)

@@ -8,12 +8,15 @@ from course_lib.bellman import action_values, bellman_sweep
 from course_lib.explore.controls import Panel
 from course_lib.explore.drawing.board import ARROWS, place
 from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.numerals import numeral
 from course_lib.explore.worlds import counted
 from course_lib.maze import Action, Tile
 from course_lib.plots.board import best_actions
 
 STEADY = 1e-9  # values that a sweep moves by less satisfy their equations
 _FIRST_SWEEPS = 12  # so many have room in the chart of errors at least
+_NO_LINE = "border-bottom:0;padding-bottom:0"  # an action and its formula stand together, a line below both
+_BELOW = "padding-left:16px;padding-top:0"
 _SHARES = {1: "1", 2: "1/2", 3: "1/3", 4: "1/4"}  # among so many best actions a cell is shared
 
 
@@ -100,10 +103,14 @@ class Equation:
     def _row(self, action, is_best):
         share = _SHARES[np.count_nonzero(self.shares)] if self.shares[action] else "0"
         value = f"<b>{written(self.q[action])} ★</b>" if is_best else written(self.q[action])
-        sums = f"{escape(self.symbols(action))}<br>= {escape(self.numbers(action))}"
-        head = f'<th scope="row" style="font-weight:400;text-align:left">{ARROWS[action]}</th>'  # what is bold is best
-        first = f"<tr>{head}<td>{share}</td><td>{value}</td></tr>"
-        return f'{first}<tr><td colspan="3">{sums}</td></tr>'
+        first, second = (f"<span style='display:inline-block'>{escape(text)}</span>" for text in self._sums(action))
+        head = f'<th scope="row" style="font-weight:400;text-align:left;{_NO_LINE}">{ARROWS[action]}</th>'
+        cells = "".join(f'<td style="{_NO_LINE}">{text}</td>' for text in (share, value))  # what is bold is best
+        return f'<tr>{head}{cells}</tr><tr><td colspan="3" style="{_BELOW}">{first} {second}</td></tr>'
+
+    def _sums(self, action):
+        """Q(s, a) in symbols and in numbers, the second below the first where both have no room side by side."""
+        return self.symbols(action), f"= {self.numbers(action)}"
 
 
 def error_chart(errors, gamma):
@@ -132,8 +139,8 @@ def error_chart(errors, gamma):
 
 
 def written(number):
-    """A number with at most four decimals and a true minus sign."""
-    return f"{round(round(float(number), 12), 4) + 0.0:.7g}".replace("-", "−")
+    """A number with at most four decimals."""
+    return numeral(round(round(float(number), 12), 4) + 0.0, ".7g")
 
 
 def _factor(number):

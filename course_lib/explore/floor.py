@@ -9,6 +9,8 @@ import numpy as np
 from course_lib import market
 from course_lib.explore.controls import Panel
 from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.numerals import numeral, scientific
+from course_lib.explore.worlds import counted
 from course_lib.plots.picture import BLUE, FAINT, INK, RED
 
 OWN_LINES = (0, 2, 4)  # of the palette: one for each trader that can be drawn at once
@@ -59,7 +61,7 @@ class Judged:
         legs = int(self.account.trades)
         eaten = 1 - (1 - self.cost) ** legs
         paid = f"took {100 * eaten:.1f} % of the money" if self.cost else "took nothing"
-        costs = f"{legs} leg{'s' * (legs != 1)} at {cost_in_words(self.cost)} {paid}" if legs else "it never trades"
+        costs = f"{counted(f'{legs:,}', 'leg')} at {cost_in_words(self.cost)} {paid}" if legs else "it never trades"
         ruin = " That is ruin." if self.account.ruined else ""
         rank = f"Its percentile among {_SHIFTS} random traders is {self.percentile:.0f}."
         return f"1 dollar becomes {amount(self.money)}; {costs}.{ruin} {rank}"
@@ -170,12 +172,12 @@ def wealth_panel(named, shown, chosen=0):
         chart.line(
             judged.places, np.exp(other.curves["trader"]), OWN_LINES[i], stroke_width=2.8 if i == chosen else 1.8
         )
-        told.append((f"{name}: ×{amount(other.money)}", OWN_LINES[i], "line"))
+        told.append((f"{name}: {amount(other.money)}", OWN_LINES[i], "line"))
     hold, oracle = (amount(np.exp(judged.curves[name][-1])) for name in ("buy and hold", "oracle"))
     least, most = (amount(np.exp(judged.band[i, -1])) for i in (0, 2))
-    told.append((f"buy and hold: ×{hold}", _HOLD, "line"))
-    told.append((f"random, 5 % to 95 % of {_SHIFTS}: ×{least} to ×{most}", _RANDOM, "band"))
-    told.append((f"oracle: ×{oracle}{'' if seen.all() else ', leaves the picture'}", _ORACLE, "line"))
+    told.append((f"buy and hold: {hold}", _HOLD, "line"))
+    told.append((f"random, 5 % to 95 % of {_SHIFTS}: {least} to {most}", _RANDOM, "band"))
+    told.append((f"oracle: {oracle}{'' if seen.all() else ', leaves the picture'}", _ORACLE, "line"))
     for words, which, kind in told:
         chart.legend(words, which, kind=kind)
     words = (
@@ -198,16 +200,17 @@ def score_panel(named, notes, chosen=0):
         ]  # fmt: skip
         body += (
             f'<tr><th scope="row" style="font-weight:400">{escape(name)}</th>'
-            + "".join(f'<td style="white-space:nowrap">{cell}</td>' for cell in cells)
+            + "".join(f'<td style="white-space:nowrap;{_NUMBERS}">{cell}</td>' for cell in cells)
             + "</tr>"
         )
-    head = "".join(f'<th scope="col">{name}</th>' for name in _COLUMNS)
+    head = "".join(f'<th scope="col" style="{_NUMBERS}">{name}</th>' for name in _COLUMNS)
     table = f'<table style="{_TABLE_LOOK}"><thead><tr><td></td>{head}</tr></thead><tbody>{body}</tbody></table>'
     lines = "".join(f'<p style="margin:6px 0 0">{escape(note)}</p>' for note in notes)
     return Panel("scores", html=table + lines)
 
 
 _COLUMNS = ("return", "Sharpe", "drawdown", "legs", "in trade")
+_NUMBERS = "padding:3px 0 3px 8px;text-align:right"  # units below units: what is large is long
 _TABLE_LOOK = "font-size:12px;overflow-wrap:normal"  # it has to fit a narrow page
 
 
@@ -248,13 +251,15 @@ def cost_in_words(cost):
 
 def one_digit(number):
     """One digit after the point, and no minus before a zero."""
-    return f"{round(float(number), 1) + 0.0:.1f}"
+    return numeral(round(float(number), 1) + 0.0, ".1f")
 
 
 def amount(money):
-    """Three digits that count: 0.998, 6.42, 36,800,000, 7.2e+10."""
+    """Three digits that count, 0.998, 6.42, 36,800,000; two of what is very large or small, 7.2×10¹⁰."""
     rounded = float(f"{money:.3g}")
-    return f"{rounded:,.12g}" if 1000 <= rounded < 1e9 else f"{rounded:.3g}"
+    if rounded and not 1e-4 <= rounded < 1e9:
+        return scientific(money)
+    return f"{rounded:,.12g}" if rounded >= 1000 else f"{rounded:.3g}"
 
 
 def _four(price):
@@ -262,9 +267,9 @@ def _four(price):
 
 
 def _percent(share, sign=""):
-    """Two or three digits that count: 3.7 %, 29 %, +542 %, +157,000 %; what is beyond ten million as +4e+09 %."""
+    """Two or three digits that count: 3.7 %, 29 %, +542 %, +157,000 %; what is beyond ten million as +4×10⁹ %."""
     hundred = 100 * share
     if abs(hundred) >= 1e7:
-        return f"{hundred:{sign}.0e} %"
+        return f"{scientific(hundred, f'{sign}.0e')} %"
     rounded = round(hundred, 1) if abs(hundred) < 9.95 else float(f"{hundred:.3g}")
-    return f"{rounded + 0.0:{sign},.{int(abs(rounded) < 9.95)}f} %"
+    return f"{numeral(rounded + 0.0, f'{sign},.{int(abs(rounded) < 9.95)}f')} %"

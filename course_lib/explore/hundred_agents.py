@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from course_lib.bellman import value_iteration
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import Board, small_maze
+from course_lib.explore.drawing.board import Board
 from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.explorer import Explorer
+from course_lib.explore.how_good import best_reward, fewest_moves, greedy_way, leads_straight, returns_of, solution
 from course_lib.explore.mouse import KEPT_IN, checked_walks, kept_walks
-from course_lib.explore.worlds import counted, own_maze, plain, table_in_words, value_span
-from course_lib.maze import Action, Tile
-from course_lib.plots.board import ALIKE, acting_states, best_actions, short
+from course_lib.explore.numerals import numeral, short, signed
+from course_lib.explore.worlds import counted, own_maze, table_in_words, value_span, with_rules
+from course_lib.maze import Action
+from course_lib.plots.board import acting_states
 from course_lib.q_table import train_side_by_side
 
 NUM_AGENTS, NUM_EPISODES = 100, 100
@@ -21,6 +22,8 @@ MAX_STEPS = 200  # of an episode: nothing more is to be seen in longer ones, and
 _SLIDERS = ("alpha", "gamma", "epsilon", "epsilon_decay", "slip")
 _MOVES, _REWARD = "moves of an episode", "reward of an episode"
 _YOU = "you, in lesson 0"
+_EARLY = 10  # an episode of which the message tells as well: by then most of the learning is done
+_ROOM_FOR_WALKS = 30  # episodes: beside somebody's own walks the curve is shown up to here, or a little beyond them
 _NEARLY = 0.9  # of the best possible return: what a table that has learned its lesson earns
 
 
@@ -58,14 +61,14 @@ class QLearning:
 
     def __init__(self, maze=None, walks=None):
         self._given = None if walks is None else _given(walks)
-        self.maze, self.walks = own_maze(None if maze is None else small_maze(maze)), self._given
+        self.maze, self.walks = own_maze(maze, wall_ends_episode=False), self._given
         self.dials = Dials(
             {
-                "alpha": ("learning rate α", (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), plain),
-                "gamma": ("discount γ", (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0), plain),
-                "epsilon": ("exploring ε", (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), plain),
-                "epsilon_decay": ("ε decay", (0.8, 0.9, 0.95, 0.98, 0.99, 1.0), plain),
-                "slip": ("slip", tuple(sorted({0.0, 0.05, 0.1, 0.2, 0.3, 0.5, self.maze.slip})), plain),
+                "alpha": ("learning rate α", (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), numeral),
+                "gamma": ("discount γ", (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0), numeral),
+                "epsilon": ("exploring ε", (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), numeral),
+                "epsilon_decay": ("ε decay", (0.8, 0.9, 0.95, 0.98, 0.99, 1.0), numeral),
+                "slip": ("slip", tuple(sorted({0.0, 0.05, 0.1, 0.2, 0.3, 0.5, self.maze.slip})), numeral),
                 "curve": ("curve", (_MOVES, _REWARD)),
             },
             alpha=0.1, gamma=0.9, epsilon=0.1, epsilon_decay=1.0, slip=self.maze.slip, curve=_MOVES,
@@ -100,7 +103,8 @@ class QLearning:
             return
         (*_, reward), (*_, moves) = self.walks
         self.message = f"Your walks in lesson 0 are drawn as squares, {len(self.walks[0])} of them. The last one took"
-        self.message += f" {counted(moves, 'move')} and had a reward of {reward:+g}."
+        self.message += f" {counted(moves, 'move')} and had a reward of {signed(reward)}."
+        self.message += f" While they are shown, the curve ends at episode {self._last_shown}."
 
     def view(self):
         """The learning curve of all agents, and the table of one."""
@@ -111,8 +115,8 @@ class QLearning:
 
     def _retrain(self):
         rates = {name: getattr(self.dials, name) for name in _SLIDERS if name != "slip"}
-        self.trained = _train(own_maze(self.maze, slip=self.dials.slip), NUM_AGENTS, **rates)
-        self._best = {_MOVES: _fewest_moves(self.trained.world), _REWARD: _best_reward(self.trained.world)}
+        self.trained = _train(with_rules(self.maze, slip=self.dials.slip), NUM_AGENTS, **rates)
+        self._best = {_MOVES: fewest_moves(self.trained.world), _REWARD: best_reward(self.trained.world)}
         self._tell()
 
     def _tell(self):
@@ -125,17 +129,30 @@ class QLearning:
                 does = f"come within {1 - _NEARLY:.0%} of the best possible return"
         self.message = f"{self._last_episode()} Without exploring, {trained.good.sum()} of {NUM_AGENTS} tables"
         self.message += f" {does}.".replace("%", "\u00a0%")
-        self.message += f" The start is worth {self._middle_table[trained.world.start].max():z.3f} to the middle agent"
+        worth = numeral(self._middle_table[trained.world.start].max(), "z.3f")
+        self.message += f" The start is worth {worth} to the middle agent"
         if trained.exact_q is not None:
-            self.message += f", exactly {trained.exact_q[trained.world.start].max():z.3f}"
+            self.message += f", exactly {numeral(trained.exact_q[trained.world.start].max(), 'z.3f')}"
         self.message += "."
 
     def _last_episode(self):
-        """The last numbers of the curve, in words."""
+        """An early number of the curve and its last ones, in words."""
         runs = self.trained.moves if self.dials.curve == _MOVES else self.trained.rewards
         low, middle, high = map(short, np.percentile(runs[:, -1], (5, 50, 95)))
-        much = counted(middle, "move") if self.dials.curve == _MOVES else f"a reward of {middle}"
-        return f"Episode {NUM_EPISODES}: {much} in the median (5 to 95\u00a0%: {low} to {high})."
+        early = short(np.median(runs[:, _EARLY - 1]))
+        early, last = (
+            counted(much, "move") if self.dials.curve == _MOVES else f"a reward of {much}" for much in (early, middle)
+        )
+        told = f"Episode {_EARLY}: {early} in the median; episode {NUM_EPISODES}: {last}"
+        return f"{told} (5 to 95\u00a0%: {low} to {high})."
+
+    @property
+    def _last_shown(self):
+        """The last episode of the curve: one's own few walks would have no room beside a hundred."""
+        if self.walks is None:
+            return NUM_EPISODES
+        walks = len(self.walks[0])
+        return max(_ROOM_FOR_WALKS, min(walks + 5, NUM_EPISODES), walks)
 
     @property
     def _middle_table(self):
@@ -144,9 +161,11 @@ class QLearning:
     def _curve(self):
         name, (yours_reward, yours_moves) = self.dials.curve, ((), ()) if self.walks is None else self.walks
         runs, yours = (self.trained.moves, yours_moves) if name == _MOVES else (self.trained.rewards, yours_reward)
-        low, middle, high = np.percentile(runs, (5, 50, 95), axis=0)
-        best, episodes = self._best[name], np.arange(1, NUM_EPISODES + 1)
-        look = {"x": (0, 1.03 * NUM_EPISODES), "xlabel": "episode", "height": 230, "legend": 2}
+        best, last = self._best[name], self._last_shown
+        low, middle, high = np.percentile(runs[:, :last], (5, 50, 95), axis=0)
+        episodes = np.arange(1, len(middle) + 1)
+        xlabel = "episode" if last >= NUM_EPISODES else f"episode, up to {last} of {NUM_EPISODES}"
+        look = {"x": (0, 1.03 * last), "xlabel": xlabel, "height": 230, "legend": 2}
         if name == _MOVES:
             known = yours if best is None else [best, *yours]
             span = (0.72 * min([low.min(), *known]), 1.15 * max([MAX_STEPS, *known]))
@@ -162,7 +181,8 @@ class QLearning:
         chart.line(episodes, middle)
         chart.legend(f"median of {NUM_AGENTS} agents, band: 5 to 95 %", 0, kind="band")
         words = f"{name.capitalize()}, median of {NUM_AGENTS} agents and 5 to 95 % band. "
-        words += "; ".join(f"episode {i}: {_three(middle, low, high, i)}" for i in (1, 5, 10, 25, 50, 100)) + "."
+        told = [f"episode {i}: {_three(middle, low, high, i)}" for i in (1, 5, 10, 25, 50, 100) if i <= last]
+        words += "; ".join(told) + "."
         if best is not None:
             kind = "fewest possible" if name == _MOVES else "best possible"
             if name == _MOVES and self.maze.wall_ends_episode:
@@ -181,7 +201,7 @@ class QLearning:
         trained, table = self.trained, self._middle_table
         board = Board(trained.world, f"Q of agent {trained.middle}, the middle one")
         board.tiles()
-        board.wedges(table, *value_span(trained.world), written="{:z.2f}")
+        board.wedges(table, *value_span(trained.world))
         board.cheese()
         for s in acting_states(trained.world):
             board.tag(s)
@@ -214,116 +234,13 @@ def _train(world, num_agents, *, gamma, **settings):
     tables, history = train_side_by_side(world, seeds, NUM_EPISODES, max_steps=MAX_STEPS, gamma=gamma, **settings)
     moves, rewards = history.episode_length.astype(float), history.episode_return
     middle = int(np.argsort(tables[:, world.start].max(axis=1), kind="stable")[(num_agents - 1) // 2])
-    exact = _solution(world, gamma)
+    exact = solution(world, gamma)
     if world.slip and exact is not None:
         best = exact.values[world.start]
         good = returns_of(world, tables, gamma) >= best - (1 - _NEARLY) * abs(best) - 1e-9
     else:
         good = leads_straight(world, tables)
     return Trained(world, moves, rewards, tables, middle, None if exact is None else exact.q, good)
-
-
-def returns_of(world, tables, gamma):
-    """float64[N]: the expected discounted return from the start that the best actions of each table earn.
-
-    Of equally good actions each is taken alike often; a gamma of 1 is taken for a hair less, so that walks without end
-    have a return, too. tables: float64[N, S, A].
-    """
-    mdp, num_states = world.mdp, tables.shape[1]
-    step = np.zeros((*tables.shape[1:], num_states))  # the chance to go on in s'
-    states, actions = np.indices(mdp.next_state.shape)[:2]
-    np.add.at(step, (states, actions, mdp.next_state), np.where(mdp.terminal, 0.0, mdp.probability))
-    policies = _best(tables) / _best(tables).sum(axis=2, keepdims=True)
-    earned = np.einsum("nsa,sa->ns", policies, mdp.R)
-    ahead = min(gamma, 1 - 1e-6) * np.einsum("nsa,sat->nst", policies, step)
-    return np.linalg.solve(np.eye(num_states) - ahead, earned[:, :, None])[:, world.start, 0]
-
-
-def leads_straight(world, tables):
-    """bool[N]: whether a table's best actions lead to a goal by a shortest way, where no move slips.
-
-    Of equally good actions every one has to. tables: float64[N, S, A].
-    """
-    num_states, num_actions = tables.shape[1:]
-    ahead, goals = world.mdp.next_state[:, :, 0], np.isin(world.mdp.next_state[:, :, 0], world.goals)
-    to = np.zeros((num_states, num_actions, num_states), np.float32)  # a goal is left out: there the way is over
-    states, actions = np.nonzero(~goals)
-    to[states, actions, ahead[states, actions]] = 1
-    best = _best(tables)
-    here = np.zeros((len(tables), num_states), np.float32)
-    here[:, world.start] = 1
-    for _ in range(_shortest_way(world)):
-        here = np.minimum((here[:, :, None] * best).reshape(len(tables), -1) @ to.reshape(-1, num_states), 1)
-    return ~here.any(axis=1)
-
-
-def greedy_way(world, table):
-    """Where the best actions lead from the start, as [(state, action)], and in words how that ends.
-
-    Of equally good actions the first is followed; where all are alike nothing is known, and the way ends.
-    """
-    way, seen, state = [], set(), world.start
-    while state not in world.goals:
-        best = best_actions(table[state])
-        if len(best) == len(Action):
-            return way, f"in cell {state} all actions are alike to it"
-        if state in seen:
-            return way, f"it runs in a circle through cell {state}"
-        seen.add(state)
-        way.append((state, int(best[0])))
-        ahead, over = int(world.mdp.next_state[state, best[0], 0]), world.mdp.terminal[state, best[0], 0]
-        if over and ahead not in world.goals:
-            return way, f"a bump in cell {state} ends it"
-        state = ahead
-    return way, "to the cheese"
-
-
-def _shortest_way(world):
-    """Moves from the start to the nearest goal, where no move slips."""
-    ahead, steps, reached = world.mdp.next_state[:, :, 0], 0, {world.start}
-    while not reached & set(world.goals):
-        reached |= {int(s) for state in reached for s in ahead[state]}
-        steps += 1
-    return steps
-
-
-def _best(tables):
-    return tables >= tables.max(axis=2, keepdims=True) - ALIKE
-
-
-def _solution(world, gamma):
-    """The exact solution of what can be reached in a world; None where rewards may be gathered without end."""
-    mdp = world.mdp
-    if gamma == 1 and (mdp.reward[~mdp.terminal] > 0).any():
-        return None
-    return value_iteration(without_pockets(world).mdp, gamma)
-
-
-def without_pockets(world, **changed):
-    """The same maze with walls in the cells that cannot be reached, and so cannot be left; changed: its other rules."""
-    ahead, reached = world.mdp.next_state[:, :, 0], {world.start}
-    while not (further := {int(s) for state in reached for s in ahead[state]}) <= reached:
-        reached |= further
-    grid = world.grid.copy()
-    shut = (grid.ravel() == Tile.OPEN) & ~np.isin(np.arange(grid.size), list(reached))
-    grid[shut.reshape(grid.shape)] = Tile.WALL
-    return own_maze(world, grid=grid, **changed)
-
-
-def _fewest_moves(world):
-    """The least number of moves that leads to a goal, on average where moves slip; None where it is not known."""
-    if not world.slip:
-        return float(_shortest_way(world))
-    if world.wall_ends_episode:
-        return None
-    every_move = {"step_reward": -1.0, "wall_reward": -1.0, "goal_reward": -1.0, "cell_rewards": None}
-    return -float(value_iteration(without_pockets(world, **every_move).mdp, 1.0).values[world.start])
-
-
-def _best_reward(world):
-    """The best possible reward of an episode, on average; None where there is no end to it."""
-    exact = _solution(world, 1.0)
-    return None if exact is None else float(exact.values[world.start])
 
 
 def _three(middle, low, high, episode):

@@ -5,10 +5,12 @@ from html import escape
 import numpy as np
 
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import ARROWS, Board, acting_states, place, small_maze
+from course_lib.explore.drawing.board import ARROWS, Board, acting_states, place
 from course_lib.explore.drawing.chart import Chart
 from course_lib.explore.explorer import Explorer
-from course_lib.maze import Action, Maze, Tile
+from course_lib.explore.numerals import numeral
+from course_lib.explore.worlds import own_maze, with_rules
+from course_lib.maze import Action, Tile
 from course_lib.plots.picture import BLUE, RED
 from course_lib.validate import whole_number
 
@@ -27,9 +29,9 @@ class Transitions:
     title = "Touch the transition function"
 
     def __init__(self, maze=None, *, seed=0):
-        maze = small_maze(Maze(slip=0.2, wall_reward=0.0, wall_ends_episode=False) if maze is None else maze)
-        self._rules, self._random = dict(maze.spec.kwargs), np.random.default_rng(whole_number("seed", seed))
-        self._slippery = self._with_slip(0.5)  # where a move may lead at all, whatever the slip
+        self._maze = maze = own_maze(maze, slip=0.2, wall_reward=0.0, wall_ends_episode=False)
+        self._random = np.random.default_rng(whole_number("seed", seed))
+        self._slippery = with_rules(maze, slip=0.5)  # where a move may lead at all, whatever the slip
         stops = {
             "slip": ("slip", sorted({round(0.05 * i, 2) for i in range(21)} | {maze.slip}), "{:.3g}".format),
             "action": ("action a", list(Action), ARROWS.get),
@@ -92,11 +94,8 @@ class Transitions:
         """The largest difference between the share of a next state and its probability; None before the first move."""
         return float(np.abs(self.counts / self.tries - self.chances).max()) if self.tries else None
 
-    def _with_slip(self, slip):
-        return Maze(**self._rules | {"slip": slip})
-
     def _look(self):
-        self.world = self._with_slip(self.dials.slip)
+        self.world = with_rules(self._maze, slip=self.dials.slip)
         mdp, row = self.world.mdp, (self.cell, self.dials.action)
         size = self.world.grid.size
         self.chances = np.bincount(mdp.next_state[row], weights=mdp.probability[row], minlength=size)
@@ -132,7 +131,7 @@ class Transitions:
     def _pays(self):
         ends = "does not end the episode" if not self.ends else "ends the episode"
         chance = f" with probability {self.ends:.3g}" if 0 < self.ends < 1 else ""
-        return f"The reward to expect is R(s, a) = {self.reward:.3g}; the move {ends}{chance}"
+        return f"The reward to expect is R(s, a) = {numeral(self.reward, '.3g')}; the move {ends}{chance}"
 
     def _map(self):
         board = Board(self.world, f"T(s = {self.cell}, a = {self._action}, s')")
@@ -140,10 +139,13 @@ class Transitions:
         board.tiles(colours={s: _tint(self.chances[s]) for s in reached})
         board.cheese()
         board.mouse(self.cell, size=0.14)
-        board.arrow(self.cell, self.dials.action, start=0.17, length=0.25)
+        roomy = board.cell >= _ROOMY
+        beside = {"aside": -0.27, "start": -0.1, "length": 0.22}  # of the mouse: before it stands the cell's chance
+        ahead = {"start": 0.17, "length": 0.25}
+        over_the_chance = self.dials.action == (Action.UP if roomy else Action.DOWN)
+        board.arrow(self.cell, self.dials.action, **(beside if over_the_chance else ahead))
         board.frame(self.cell, BLUE)
         board.tag(self.cell)
-        roomy = board.cell >= _ROOMY
         board.corner_note(self.world.start, "start" if roomy else "S", top=not roomy)
         for s in reached:
             board.note(
@@ -151,15 +153,11 @@ class Transitions:
             )
         if self.landed is not None:
             x, y = board.middle(self.landed)
-            left, down = (0.3, 0.3) if roomy else (0.38, 0.0)
-            board.sketch.circle(
-                x - left * board.cell,
-                y + down * board.cell,
-                0.08 * board.cell,
-                fill=RED,
-                stroke="#ffffff",
-                stroke_width=2,
-            )
+            aside, down = (-0.3, 0.3) if roomy else (-0.38, 0.0)
+            if not roomy and self.dials.action in (Action.LEFT, Action.DOWN):
+                aside = 0.38  # on the left is the arrow
+            x, y = x + aside * board.cell, y + down * board.cell
+            board.sketch.circle(x, y, 0.08 * board.cell, fill=RED, stroke="#ffffff", stroke_width=2)
         hint = "Click a cell, or go to it with the arrow keys. A dot marks where a single move landed."
         hint += "" if roomy else " S: the start."
         words = f"{place(self.world, self.cell).capitalize()} is chosen. {self._row_in_words()}"
@@ -194,7 +192,7 @@ class Transitions:
             drawn = ("–", "–", "–")
             if self.tries:
                 share = self.counts[s] / self.tries
-                drawn = (f"{self.counts[s]:,}", f"{share:.3f}", f"{share - self.chances[s]:+.3f}".replace("-", "−"))
+                drawn = (f"{self.counts[s]:,}", f"{share:.3f}", numeral(share - self.chances[s], "+.3f"))
             rows.append((f"{s} (stays)" if s == self.cell else str(s), f"{self.chances[s]:.3g}", *drawn))
         lines = [f"{self._pays()}."]
         if self.tries:

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from course_lib.explore.controls import Button, Panel, View
-from course_lib.explore.drawing.board import ARROWS, Board, place, small_maze
+from course_lib.explore.drawing.board import ARROWS, Board, place
 from course_lib.explore.drawing.chart import Chart
+from course_lib.explore.numerals import signed
 from course_lib.explore.worlds import counted, own_maze
 from course_lib.files import write_whole
 from course_lib.maze import Action, Tile
@@ -29,7 +30,7 @@ class BlindMaze:
     title = "Be the mouse"
 
     def __init__(self, maze=None, *, keep=None):
-        self.maze = own_maze(maze if maze is None else small_maze(maze, most=20))
+        self.maze = own_maze(maze, most=20, wall_ends_episode=False)
         self.keep, self._earlier = keep, None
         self._forget()
 
@@ -57,9 +58,8 @@ class BlindMaze:
             self.seen[ahead] = self.seen[ahead] or not self.maze.slip  # who slips does not know where the wall is
         elif self.cell == before:
             felt = "the edge of the maze, you stay where you are"
-        self.message = (
-            f"Move {self.moves}, {action.name.lower()}: {felt} ({reward:+g}). You are in {place(self.maze, self.cell)}."
-        )
+        self.message = f"Move {self.moves}, {action.name.lower()}: {felt} ({signed(reward)})."
+        self.message += f" You are in {place(self.maze, self.cell)}."
         if terminated:
             self._end()
 
@@ -95,7 +95,9 @@ class BlindMaze:
         self.returns.append(self.reward)
         self.lengths.append(self.moves)
         bumped = "" if self.maze.grid.flat[self.cell] == Tile.GOAL else " The walk is over."
-        self.message += f"{bumped} Walk {len(self.returns)}: {counted(self.moves, 'move')}, reward {self.reward:+g}."
+        self.message += (
+            f"{bumped} Walk {len(self.returns)}: {counted(self.moves, 'move')}, reward {signed(self.reward)}."
+        )
         self.message += " You are back at the start."
         self._begin()
         if self.keep is not None:
@@ -116,9 +118,8 @@ class BlindMaze:
         return self.maze.grid.ravel() == Tile.WALL
 
     def _map(self):
-        board = Board(
-            self.maze, f"Walk {len(self.returns) + 1}: {counted(self.moves, 'move')}, reward {self.reward:+g}"
-        )
+        walk = f"Walk {len(self.returns) + 1}: {counted(self.moves, 'move')}, reward {signed(self.reward)}"
+        board = Board(self.maze, walk)
         board.tiles(self.seen)
         board.cheese([goal for goal in self.maze.goals if self.seen[goal]])
         for unknown in np.flatnonzero(~self.seen):
@@ -144,9 +145,9 @@ class BlindMaze:
             chart.line(at, self.lengths, 0, stroke_opacity=0.5)
             chart.points(at, self.lengths)
             for walk, moves, reward in list(zip(at, self.lengths, self.returns, strict=True))[-_SHOWN_WALKS:]:
-                chart.note(walk, moves, f"{reward:+g}")
+                chart.note(walk, moves, signed(reward))
         told = [
-            f"walk {i}: {counted(n, 'move')}, reward {r:+g}"
+            f"walk {i}: {counted(n, 'move')}, reward {signed(r)}"
             for i, n, r in zip(at, self.lengths, self.returns, strict=True)
         ]
         return Panel("curve", f"Your learning curve. {'; '.join(told) or 'No walk is finished yet'}.", chart.svg())

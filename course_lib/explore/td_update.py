@@ -6,9 +6,10 @@ from html import escape
 import numpy as np
 
 from course_lib.explore.controls import Button, Dials, Panel, View
-from course_lib.explore.drawing.board import ARROWS, SIGNS, Board, place, small_maze
+from course_lib.explore.drawing.board import ARROWS, SIGNS, Board, place
 from course_lib.explore.explorer import Explorer
-from course_lib.explore.worlds import counted, own_maze, plain, table_in_words, value_span
+from course_lib.explore.numerals import numeral
+from course_lib.explore.worlds import counted, own_maze, table_in_words, value_span
 from course_lib.maze import Action
 from course_lib.plots.board import acting_states
 from course_lib.q_table import QAgent
@@ -60,13 +61,13 @@ class OneUpdate:
     title = "One update at a time"
 
     def __init__(self, maze=None, *, seed=0):
-        self.maze = own_maze(None if maze is None else small_maze(maze))
+        self.maze = own_maze(maze, wall_ends_episode=False)
         self.seed = whole_number("seed", seed)
         self.dials = Dials(
             {
-                "alpha": ("learning rate α", (0.01, 0.05, 0.1, 0.2, 0.5, 1.0), plain),
-                "gamma": ("discount γ", (0.0, 0.5, 0.8, 0.9, 0.95, 1.0), plain),
-                "epsilon": ("exploring ε", (0.0, 0.05, 0.1, 0.2, 0.5, 1.0), plain),
+                "alpha": ("learning rate α", (0.01, 0.05, 0.1, 0.2, 0.5, 1.0), numeral),
+                "gamma": ("discount γ", (0.0, 0.5, 0.8, 0.9, 0.95, 1.0), numeral),
+                "epsilon": ("exploring ε", (0.0, 0.05, 0.1, 0.2, 0.5, 1.0), numeral),
             },
             alpha=0.1, gamma=0.9, epsilon=0.1,
         )  # fmt: skip
@@ -172,7 +173,7 @@ class OneUpdate:
     def _board(self):
         board = Board(self.maze, f"Q in episode {self.episode}, after {counted(self.moves, 'move')}")
         board.tiles()
-        board.wedges(self.q_table, *value_span(self.maze), written="{:z.2f}")
+        board.wedges(self.q_table, *value_span(self.maze))
         board.cheese()
         changed = ""
         if self.last is not None:
@@ -238,7 +239,7 @@ def _name(action):
 
 def _text(value):
     """At most 5 places behind the point, as the lesson prints them."""
-    return f"{value:z.5f}".rstrip("0").rstrip(".").replace("-", "−")
+    return numeral(value, "z.5f").rstrip("0").rstrip(".")
 
 
 def _factor(value):

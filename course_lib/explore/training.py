@@ -7,7 +7,7 @@ import numpy as np
 
 from course_lib.bellman import evaluate_policy
 from course_lib.explore.drawing.nodes import forward
-from course_lib.explore.worlds import own_maze
+from course_lib.explore.worlds import with_rules
 from course_lib.maze import Action
 
 GAMMA = 0.95
@@ -47,7 +47,7 @@ class Training:
 
         self.name = ", ".join(["mask" if parts["mask"] else "no mask", *filter(parts.get, PARTS), f"seed {seed}"])
         settings = {name: value for part in PARTS if parts[part] for name, value in PARTS[part].items()}
-        self._world = _Counting(own_maze(maze))
+        self._world = _Counting(with_rules(maze))
         self._agent = DQNAgent(self._world, gamma=GAMMA, mask_terminal=parts["mask"], seed=seed, **settings)
         self.moments = []
         self._look()

@@ -204,15 +204,31 @@ def test_the_star_is_what_improve_takes():
     starred = {}
     for s in acting_states(state.world):
         state.choose(s)
-        rows = re.findall(r"<th [^>]*>. (\w+)</th><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
+        rows = re.findall(
+            r"<th [^>]*>. (\w+)</th><td[^>]*>([\d/]+)</td><td[^>]*>(.*?)</td>", panel(state, "equation").html
+        )
         assert [Fraction(share) for _, share, _ in rows] == [Fraction(1, 4)] * 4
         starred[s] = [name for name, _, value in rows if "★" in value]
     pressed(state, "improve")
     for s, names in starred.items():
         assert names == [a.name.lower() for a in Action if state.policy[s, a]]
         state.choose(s)
-        rows = re.findall(r"<th [^>]*>. (\w+)</th><td>([\d/]+)</td><td>(.*?)</td>", panel(state, "equation").html)
+        rows = re.findall(
+            r"<th [^>]*>. (\w+)</th><td[^>]*>([\d/]+)</td><td[^>]*>(.*?)</td>", panel(state, "equation").html
+        )
         assert [float(Fraction(share)) for _, share, _ in rows] == pytest.approx(state.policy[s].tolist())
+
+
+def test_an_action_stands_together_with_its_formula():
+    state = BellmanByHand(Maze(slip=0.2))
+    rows = re.findall(r"<tr>.*?</tr>", panel(state, "equation").html)[1:]
+    assert len(rows) == 8
+    for action, formula in zip(rows[::2], rows[1::2], strict=True):
+        cells = re.findall(r"<t[hd][^>]*>", action)
+        assert len(cells) == 3
+        assert all("border-bottom:0" in cell for cell in cells), "no line between them"
+        assert "border-bottom" not in formula, "and one below"
+        assert re.search(r">R \+ γ .*</span> <span style='display:inline-block'>= ", formula)
 
 
 def test_where_all_actions_are_alike_none_has_a_star():

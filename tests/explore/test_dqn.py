@@ -11,6 +11,9 @@ from course_lib.explore.dqn import InsideTheNetwork, network
 from course_lib.explore.drawing.sketch import shade
 from course_lib.explore.training import EPISODES
 from course_lib.maze import MOVES
+from course_lib.plots.board import acting_states
+
+from . import minus
 
 MAZE = Maze(wall_reward=0.0)
 EXACT = value_iteration(MAZE.mdp, 0.95)
@@ -105,7 +108,10 @@ def test_training_ends(monkeypatch):
     monkeypatch.setattr("course_lib.explore.dqn.EPISODES", 40)
     state = trained(InsideTheNetwork(), 2)
     assert len(list(state.press("train"))) == 2
-    assert state.message.startswith("Trained: mask, seed 0. Cell 0 (row 0, column 0) after 40 episodes")
+    found = sum(moment.earned > 0.7737 for moment in state.run.moments)
+    assert state.message.startswith(
+        f"Trained: mask, seed 0. It finds the best way at {found} of 5 moments. Cell 0 (row"
+    )
     assert state.view().progress is None
     assert state.view().control("train").idle
     assert state.press("train") is None
@@ -213,6 +219,16 @@ def test_the_map_says_what_the_network_and_the_equations_say():
     assert shown.board
 
 
+@pytest.mark.parametrize("rules", [{}, {"step_reward": -1.0}])
+def test_the_map_says_what_its_colours_mean(rules):
+    state = InsideTheNetwork(Maze(**{"wall_reward": 0.0} | rules))
+    shown, exact = panel(state, "map").svg, value_iteration(state.maze.mdp, 0.95).q[acting_states(state.maze)]
+    low, high = min(0.0, exact.min()), max(0.1, exact.max())
+    assert {f"{minus(f'{low:.3g}')} or less", f"{minus(f'{high:.3g}')} or more"} <= set(texts(shown))
+    key = re.findall(r'fill="(#\w+)"/>', shown.split(" or less")[1].split(" or more")[0])
+    assert key == [shade(share, 0, 1)[0] for share in np.linspace(0, 1, 8)]
+
+
 def test_the_message_says_what_following_the_arrows_earns():
     state = trained(InsideTheNetwork(), 2)
     assert (
@@ -241,7 +257,8 @@ def test_the_network_is_shown_node_by_node(cell):
     q = hidden @ w2 + b2
     np.testing.assert_allclose(q, state.moment.q[cell])
     names = ("↑ UP", "↓ DOWN", "← LEFT", "→ RIGHT")
-    assert [f"{value:z.2f}" for value in q] == [written[written.index(name) + 1] for name in names]
+    assert f"hidden nodes: {(arriving > 0).sum()} of {len(arriving)} speak" in written
+    assert [minus(f"{value:z.2f}") for value in q] == [written[written.index(name) + 1] for name in names]
     best = Action(q.argmax()).name
     assert shown.words.endswith(f"The best is {best}.")
     assert f"the thicker, the more. On the right only those to {'↑↓←→'[q.argmax()]} {best}." in written
@@ -254,7 +271,7 @@ def test_answers_stand_beside_the_truth():
     written = texts(shown.svg)
     for a in Action:
         at = written.index(f"{'↑↓←→'[a]} {a.name}")
-        assert written[at + 1 : at + 4] == [f"tried {tries[a]:,}×", f"{q[a]:z.2f}", f"{EXACT.q[14, a]:.2f}"]
+        assert written[at + 1 : at + 4] == [f"tried {tries[a]:,}×", minus(f"{q[a]:z.2f}"), f"{EXACT.q[14, a]:.2f}"]
         assert f"{a.name} {tries[a]} times" in shown.words
     assert "Exact: UP 0.00, DOWN 0.95, LEFT 0.90, RIGHT 1.00." in shown.words
     state.choose(6)

@@ -14,6 +14,7 @@ from course_lib.explore import BellmanByHand, Transitions
 from course_lib.explore.drawing.board import Board, place
 from course_lib.explore.drawing.chart import Chart, log_ticks, ticks
 from course_lib.explore.drawing.sketch import WIDTH, Sketch, shade, shades
+from course_lib.plots.board import acting_states
 
 NAMESPACE = "{http://www.w3.org/2000/svg}"
 MAZES = [Maze(), Maze.random(3, 7, seed=1), Maze.random(9, 2, seed=0), Maze.random(30, 30, seed=2)]
@@ -203,6 +204,36 @@ def test_no_text_lies_on_another(side):
         for (one, *here), (other, *there) in combinations(found, 2):
             apart = here[2] <= there[0] or there[2] <= here[0] or here[3] <= there[1] or there[3] <= here[1]
             assert apart or one == other, (one, other)  # the chosen cell's number lies on a slip of paper, on itself
+
+
+def arrows(svg):
+    """The corners of every arrow, float64[7, 2]."""
+    drawn = [node for node in elements(svg, "polygon") if node.get("stroke-width") == "0.9"]
+    return [np.array([pair.split(",") for pair in node.get("points").split()], float) for node in drawn]
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.25])
+@pytest.mark.parametrize("side", range(3, 9))
+def test_no_arrow_touches_a_number(side, slip):
+    world = Maze.random(side, side, seed=1, slip=slip, wall_ends_episode=False)
+    by_hand = BellmanByHand(world)
+    by_hand.press("solve")
+    shown = [by_hand.view().panels[0].svg]
+    for cell in (world.start, acting_states(world)[-1]):
+        for action in Action:
+            state = Transitions(world)
+            state.choose(cell)
+            state.turn("action", int(action))
+            shown.append(state.view().panels[0].svg)
+    for svg in shown:
+        assert arrows(svg)
+        for text, node in texts(svg):
+            size, line = float(node.get("font-size")), float(node.get("y"))
+            wide, middle = 0.54 * size * len(text) / 2, float(node.get("x"))
+            for corners in arrows(svg) if node.get("text-anchor") == "middle" else ():
+                (left, top), (right, bottom) = corners.min(axis=0), corners.max(axis=0)
+                beside = right < middle - wide or left > middle + wide
+                assert beside or bottom + 0.45 < line - 0.73 * size or top - 0.45 > line, text
 
 
 def test_text_is_large_enough_to_be_read():

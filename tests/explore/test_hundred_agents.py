@@ -1,20 +1,19 @@
 """The Q-learning explorer: its hundred agents are QAgents, and what it says of them is so."""
 
-import itertools
 import re
-from html import unescape
 
 import numpy as np
 import pytest
 
-from course_lib import Action, Maze, QAgent, evaluate_policy, explore, policy_iteration, value_iteration
+from course_lib import Action, Maze, QAgent, evaluate_policy, policy_iteration, value_iteration
 from course_lib.explore import hundred_agents
-from course_lib.explore.hundred_agents import MAX_STEPS, NUM_EPISODES, QLearning, greedy_way, leads_straight, returns_of
-from course_lib.explore.mouse import KEPT_IN, keep_walks
+from course_lib.explore.how_good import greedy_way
+from course_lib.explore.hundred_agents import MAX_STEPS, NUM_EPISODES, QLearning
 from course_lib.q_table import History
 
+from . import minus
+
 FREE = {"wall_ends_episode": False}
-WALKS = ([-3.0, -1.0, 1.0], [31, 14, 6])
 
 
 def put(explored, **values):
@@ -65,7 +64,9 @@ def test_it_trains_qagents_and_says_what_came_of_them(settings):
     middle = explored.trained.middle
     assert agents[middle].q_table[0].max() == starts[49]
     low, median, high = (f"{round(float(p), 3):.3g}" for p in np.percentile(moves[:, -1], (5, 50, 95)))
-    assert f"Episode 100: {median} moves in the median (5 to 95\u00a0%: {low} to {high})" in explored.message
+    early = f"{np.median(moves[:, 9]):.3g}"
+    told = f"Episode 10: {early} moves in the median; episode 100: {median} moves (5 to 95\u00a0%: {low} to {high})"
+    assert told in explored.message
     exact = value_iteration(explored.trained.world.mdp, settings.get("gamma", 0.9)).values[0]
     assert f"worth {starts[49]:.3f} to the middle agent, exactly {exact:.3f}." in explored.message
     assert f"{explored.trained.good.sum()} of 100 tables" in explored.message
@@ -88,7 +89,7 @@ def test_the_curve_is_drawn_where_its_numbers_say():
         bounds = np.log(bounds) if stop == 0 else bounds
         assert np.abs(np.polyval(fit, bounds) - [float(point.split(",")[1]) for point in band]).max() < 0.1
         for episode in (1, 10, 100):
-            told = [f"{round(float(p[episode - 1]), 3):.3g}" for p in (middle, low, high)]
+            told = [minus(f"{round(float(p[episode - 1]), 3):.3g}") for p in (middle, low, high)]
             assert "episode {}: {} ({} to {})".format(episode, *told) in drawn.words
     assert f"cut off at {MAX_STEPS}" in drawn.svg
 
@@ -97,8 +98,11 @@ def test_the_message_tells_of_the_curve_that_is_shown():
     explored = put(QLearning(), epsilon=0.3)
     for stop, (shown, told) in enumerate((("moves", "{} moves"), ("reward", "a reward of {}"))):
         runs = explored.trained.rewards if stop else explored.trained.moves
-        low, median, high = (f"{round(float(p), 3):.3g}" for p in np.percentile(runs[:, -1], (5, 50, 95)))
-        last = f"Episode 100: {told.format(median)} in the median (5 to 95\u00a0%: {low} to {high})."
+        low, median, high = (minus(f"{round(float(p), 3):.3g}") for p in np.percentile(runs[:, -1], (5, 50, 95)))
+        early = told.format(minus(f"{round(float(np.median(runs[:, 9])), 3):.3g}"))
+        last = (
+            f"Episode 10: {early} in the median; episode 100: {told.format(median)} (5 to 95\u00a0%: {low} to {high})."
+        )
         put(explored, epsilon=0.3)
         explored.turn("curve", stop)
         assert explored.message == f"The curve shows the {shown} of an episode. {last}"
@@ -120,8 +124,8 @@ def test_the_table_is_the_middle_agents():
     explored = put(QLearning(), gamma=0.95)
     q, drawn = explored.trained.tables[explored.trained.middle], table(explored)
     acting = [s for s in range(16) if s not in (6, 10, 12, 15)]
-    written = re.findall(r">(-?\d\.\d\d)<", drawn.svg)
-    assert written == [f"{q[s, a]:z.2f}" for s in acting for a in Action]
+    written = re.findall(r">(−?\d\.\d\d)<", drawn.svg)
+    assert written == [minus(f"{q[s, a]:z.2f}") for s in acting for a in Action]
     assert f"Q of agent {explored.trained.middle}, the middle one" in drawn.svg
     way, end = greedy_way(explored.trained.world, q)
     assert end == "to the cheese"
@@ -129,56 +133,6 @@ def test_the_table_is_the_middle_agents():
     off = max(abs(q[s, a] - value_iteration(Maze(**FREE).mdp, 0.95).q[s, a]) for s, a in way)
     assert f"The largest error of Q on this way is {off:.3f}" in drawn.words
     assert drawn.svg.count('fill="#ffffff" stroke="#22262b"') == len(way) == 6
-
-
-def straight_by_walking(world, q):
-    """Every way along best actions, walked: the slow and sure answer."""
-    shortest = dict.fromkeys(world.goals, 0)
-    for steps in range(1, world.grid.size):
-        for s, a in itertools.product(range(world.grid.size), range(4)):
-            if shortest.get(int(world.mdp.next_state[s, a, 0])) == steps - 1 and world.grid.flat[s] in (0, 3):
-                shortest.setdefault(s, steps)
-    at, steps = {world.start}, shortest[world.start]
-    for _ in range(steps):
-        at = {
-            int(world.mdp.next_state[s, a, 0])
-            for s in at - set(world.goals)
-            for a in np.flatnonzero(np.isclose(q[s], q[s].max(), rtol=0, atol=1e-9))
-        }
-    return at <= set(world.goals)
-
-
-@pytest.mark.parametrize(
-    "world", [Maze(**FREE), Maze(), Maze.random(5, 6, seed=8, **FREE)], ids=["course", "strict", "random"]
-)
-def test_which_tables_lead_straight(world):
-    rng = np.random.default_rng(1)
-    exact = value_iteration(world.mdp, 0.9).q
-    tables = exact + rng.choice([0.0, 1e-12, 0.3], size=(200, 1, 1)) * rng.normal(size=(200, *exact.shape))
-    tables[:3] = 0.0
-    tables[3:40] = np.where(rng.random((37, *exact.shape)) < 0.05, 1.0, exact)
-    found = leads_straight(world, tables)
-    assert found.tolist() == [straight_by_walking(world, q) for q in tables]
-    assert 40 < found.sum() < 190
-    assert not found[:3].any()
-
-
-def test_a_bump_that_ends_the_walk_is_no_way_to_the_cheese():
-    world = Maze([[3, 1], [0, 4]])
-    q = np.zeros((1, 4, 4))
-    q[0, 0, Action.RIGHT] = 1.0
-    assert not leads_straight(world, q)[0]
-
-
-@pytest.mark.parametrize("slip", [0.1, 0.5])
-@pytest.mark.parametrize("gamma", [0.5, 0.95])
-@pytest.mark.parametrize("rules", [FREE, {}], ids=["free", "strict"])
-def test_what_tables_earn_is_their_policys_value(slip, gamma, rules):
-    world, rng = Maze(**rules, slip=slip), np.random.default_rng(2)
-    tables = np.round(value_iteration(world.mdp, gamma).q + rng.normal(scale=0.2, size=(30, 16, 4)), 1)
-    best = tables >= tables.max(axis=2, keepdims=True)
-    expected = [evaluate_policy(world.mdp, b / b.sum(axis=1, keepdims=True), gamma)[0] for b in best]
-    assert returns_of(world, tables, gamma) == pytest.approx(expected, abs=1e-4)
 
 
 def test_where_moves_slip_a_good_table_earns_nearly_the_best_return():
@@ -246,7 +200,7 @@ def test_other_mazes_will_do():
         explored = QLearning(maze)
         for settings in ({"gamma": 1.0}, {"slip": 0.3}, {"gamma": 0.9}):
             view = put(explored, **settings).view()
-            assert "Episode 100:" in view.message
+            assert "; episode 100:" in view.message
             explored.turn("curve", 1)
             explored.view()
             explored.turn("curve", 0)
@@ -256,67 +210,6 @@ def test_a_slippery_maze_of_ones_own_stays_slippery():
     explored = QLearning(Maze(slip=0.15, **FREE))
     assert (explored.dials.slip, explored.trained.world.slip) == (0.15, 0.15)
     assert len(explored.view().control("slip").texts) == 7
-
-
-def test_ways_that_lead_nowhere_are_told():
-    world, q = Maze(**FREE), np.zeros((16, 4))
-    assert greedy_way(world, q) == ([], "in cell 0 all actions are alike to it")
-    q[0, Action.UP] = 1
-    assert greedy_way(world, q) == ([(0, 0)], "it runs in a circle through cell 0")
-    q[0], q[1] = (0, 0, 0, 1), (0, 0, 1, 0)
-    assert greedy_way(world, q) == ([(0, 3), (1, 2)], "it runs in a circle through cell 0")
-    q[1] = (0, 0, 0, 1)
-    q[2] = (0, 1, 0, 0)
-    assert greedy_way(Maze(), q)[1] == "a bump in cell 2 ends it"
-    assert greedy_way(world, q) == ([(0, 3), (1, 3), (2, 1)], "it runs in a circle through cell 2")
-
-
-def test_ones_own_walks_stand_beside_the_agents():
-    explored = QLearning(walks=WALKS)
-    drawn = curve(explored)
-    assert "you, in lesson 0<" in drawn.svg
-    assert drawn.words.endswith("You, in lesson 0: 31, 14, 6.")
-    assert len(re.findall(r'<rect [^>]*stroke="#ffffff" stroke-width="0.8"', drawn.svg)) == 3 + 1, "walks, legend"
-    explored.turn("curve", 1)
-    assert curve(explored).words.endswith("You, in lesson 0: -3, -1, 1.")
-    explored.press("walks")
-    assert "you" not in unescape(curve(explored).svg)
-    assert explored.view().control("walks").label == "show my walks from lesson 0"
-    explored.press("walks")
-    assert "you, in lesson 0" in curve(explored).svg
-    assert explored.view().control("walks").label == "hide my walks"
-    assert "3 of them. The last one took 6 moves and had a reward of +1" in explored.message
-    quick = QLearning(walks=([1.0], [1]))
-    quick.press("walks")
-    quick.press("walks")
-    assert "The last one took 1 move and" in quick.message
-    assert QLearning(Maze([[3, 4]])).message.startswith("Episode 100: 1 move in the median (5 to 95\u00a0%: 1 to ")
-
-
-def test_very_long_walks_have_room():
-    explored = QLearning(walks=([-900.0], [4000]))
-    for stop in (0, 1):
-        explored.turn("curve", stop)
-        square = re.findall(r'<rect x="[\d.]+" y="([\d.]+)" width="8" height="8"', curve(explored).svg)[0]
-        assert 46 < float(square) < 46 + 230
-
-
-def test_the_walks_kept_in_lesson_0_are_read_when_asked_for_and_not_before(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    without = explore.q_learning().still()
-    explored = QLearning()
-    explored.press("walks")
-    assert explored.message.startswith("There are no walks of yours yet: play lesson 0")
-    assert "you" not in curve(explored).svg
-    for damaged in ("{", '{"returns": [1], "lengths": []}', '{"returns": "a"}'):
-        (tmp_path / KEPT_IN).write_text(damaged, encoding="utf-8")
-        explored.press("walks")
-        assert explored.message.startswith("my_mouse.json cannot be read as walks")
-        assert "you" not in curve(explored).svg
-    keep_walks(KEPT_IN, *WALKS)
-    assert explore.q_learning().still() == without
-    explored.press("walks")
-    assert curve(explored).words.endswith("You, in lesson 0: 31, 14, 6.")
 
 
 def test_what_there_is_not_is_refused_before_anything_changes():

@@ -86,11 +86,20 @@ def test_the_first_picture(said):
     assert moves(9) != "6"
 
 
+def test_a_learners_own_walks(said):
+    explored = QLearning(walks=([1.0] * 12, [6] * 12))
+    assert "episode, up to 30 of 100" in explored.view().panels[0].svg
+    assert "your own learning curve then stands beside the first 30 episodes of theirs" in said
+
+
 def test_curious_mice(said):
-    (moves, good, _), (sooner, still, _) = learned(epsilon=1), learned(epsilon=1, epsilon_decay=0.95)
+    (moves, good, _), (sooner, still, message) = learned(epsilon=1), learned(epsilon=1, epsilon_decay=0.95)
     assert f"{moves(100)} moves in the median of episode 100. Yet {good} of 100 tables lead straight" in said
     both = f"With a decay of 0.95 you get both: {sooner(10)} moves in episode 10, {sooner(100)} in episode 100"
     assert f"{both}, and still {still} good tables." in said
+    shown = f"Episode 10: {sooner(10)} moves in the median; episode 100: {sooner(100)} moves"
+    assert message.startswith(shown), "the answers are about what the message says"
+    assert "the lines below them tell of episodes 10 and 100" in said
 
 
 def test_slow_believers(said):

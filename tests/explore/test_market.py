@@ -43,7 +43,7 @@ def rows(floor):
 
 
 def as_number(text):
-    return float(text.removesuffix(" %").replace(",", ""))
+    return float(text.removesuffix(" %").replace(",", "").replace("−", "-"))
 
 
 # --- judging ----------------------------------------------------------------------------------------------------------
@@ -108,9 +108,12 @@ def test_the_numbers_in_the_table_are_those_of_the_scoreboard():
         for said, number in zip((gained, fall, exposure), 100 * row.iloc[[0, 2, 4]], strict=True):
             assert said == pytest.approx(number, abs=0.051 if abs(number) < 9.95 else 0.51, rel=0.0051)
         assert (ratio, legs) == (pytest.approx(row["Sharpe"], abs=0.051), row["legs"])
-    columns = re.findall(r'<th scope="col">([^<]*)</th>', panel(floor, "scores").html)
+    columns = re.findall(r'<th scope="col"[^>]*>([^<]*)</th>', panel(floor, "scores").html)
     assert columns == ["return", "Sharpe", "drawdown", "legs", "in trade"]
     assert panel(floor, "scores").html.count('<th scope="row"') == len(shown)
+    numbers = re.findall(r"<td[^>]+>", panel(floor, "scores").html)
+    assert len(numbers) == 5 * len(shown)
+    assert all("text-align:right" in cell for cell in numbers), "units below units"
 
 
 def test_the_others_are_beside_it_only_when_asked_for():
@@ -119,7 +122,7 @@ def test_the_others_are_beside_it_only_when_asked_for():
     assert "slow coins" not in panel(floor, "wealth").svg
     put(floor, all="on")
     for name in ("coins", "slow coins", "hold"):
-        assert f"{name}: ×" in panel(floor, "wealth").svg
+        assert f">{name}: " in panel(floor, "wealth").svg
     put(floor, trader="slow coins")
     yardsticks, thick = (
         rows(floor),
@@ -141,12 +144,12 @@ def test_the_legend_says_what_becomes_of_the_money():
     words = panel(floor, "wealth").words
     for name, taken in ends.items():
         money = float(np.exp(market.account(TEST, taken, cost=0.001).log_equity[-1]))
-        assert f"{name}: ×{money:.3g}" in words
+        assert f"{name}: {money:.3g}" in words
     ends = market.account(TEST, market.random_shifts(COINS[1]), cost=0.001).log_equity[:, -1]
     least, most = np.exp(np.percentile(ends, [5, 95]))
-    assert f"random, 5 % to 95 % of 200: ×{least:.3g} to ×{most:.3g}" in words
+    assert f"random, 5 % to 95 % of 200: {least:.3g} to {most:.3g}" in words
     drawn = panel(floor, "wealth").svg
-    assert all(part in drawn for part in re.findall(r"[a-z ]+: ×[^;]*(?=[;.]) ", words))
+    assert all(part in drawn for part in re.findall(r"[a-z ]+: [^;]*(?=[;.]) ", words))
     assert "leaves the picture" in words
     assert floor.view().message.startswith(f"coins: {floor.judged.says()}")
 

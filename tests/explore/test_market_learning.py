@@ -9,7 +9,7 @@ from course_lib import QAgent, market
 from course_lib.explore.floor import one_digit
 from course_lib.explore.market import COSTS, DAYS, EYES, MARKETS, TRADERS, TradingFloor, TrainingFloor, trading_floor
 
-from . import prose
+from . import minus, prose
 from .test_market import panel, put, rows
 
 PRICES = {
@@ -122,6 +122,7 @@ def test_twenty_traders_are_those_of_the_homework(floor):
     inside, outside, money = np.array(floor.tries).T
     said = f"Sharpe ratio {inside.mean():.1f} ± {inside.std():.1f} in training"
     said += f" and {outside.mean():.1f} ± {outside.std():.1f} on unseen days; {np.sum(money > 1)} of them gained money"
+    said = minus(said)
     assert said in view.message
     assert said in panel(floor, "scores").html
     assert "each on a market of its own" in view.message

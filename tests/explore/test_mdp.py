@@ -79,8 +79,8 @@ def test_with_slip_one_half_a_mouse_at_a_wall_is_as_likely_to_stay():
 def test_a_fatal_bump_is_told():
     state = Transitions(Maze(slip=0.2))
     state.choose(5)
-    assert "R(s, a) = -0.8; the move ends the episode with probability 0.8." in state.message
-    assert "-0.8" in panel(state, "table").html
+    assert "R(s, a) = −0.8; the move ends the episode with probability 0.8." in state.message
+    assert "−0.8" in panel(state, "table").html
 
 
 def test_drawn_moves_add_up_and_come_near():

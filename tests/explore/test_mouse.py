@@ -33,7 +33,7 @@ def test_the_shortest_walk_pays_one_and_leads_back_to_the_start():
 def test_a_bump_costs_one_and_the_walk_goes_on():
     mouse = walked(["down", "right", "right"])
     assert (mouse.cell, mouse.reward, mouse.returns) == (5, -1.0, [])
-    assert "ouch, a wall (-1)" in mouse.message
+    assert "ouch, a wall (−1)" in mouse.message
     assert walked(["up"]).message.startswith("Move 1, up: the edge of the maze")
     assert walked(["up", "up"]).message != walked(["up"]).message, "what is said again is not heard"
 

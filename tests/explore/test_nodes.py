@@ -22,7 +22,7 @@ def test_forward_is_two_layers_with_relu_between():
 def test_the_input_that_is_1_stands_out():
     layers = [(np.ones((3, 1)), np.zeros(1)), (np.ones((1, 2)), np.zeros(2))]
     svg = nodes.network(layers, 1, ("a", "b"), "title")
-    assert texts(svg)[:10] == ["title", "inputs", "hidden nodes", "outputs", "0", "0", "1", "1", "0", "2"]
+    assert texts(svg)[:10] == ["title", "inputs", "hidden nodes: 1 of 1 speak", "outputs", "0", "0", "1", "1", "0", "2"]
     fills = re.findall(r'<circle [^>]*fill="([^"]*)"', svg.split("</defs>")[1])
     assert [fills[i] == fills[0] for i in range(3)] == [True, False, True]
 

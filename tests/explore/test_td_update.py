@@ -10,6 +10,8 @@ from course_lib import Action, Maze, QAgent, explore
 from course_lib.explore.td_update import MAX_STEPS, OneUpdate
 from course_lib.explore.worlds import counted
 
+from . import minus
+
 FREE = {"wall_ends_episode": False}
 ALPHA, GAMMA, EPSILON = (
     (0.01, 0.05, 0.1, 0.2, 0.5, 1.0),
@@ -221,8 +223,8 @@ def test_the_board_shows_the_table_and_what_changed():
     explored.choose(4)
     drawn, q = board(explored), explored.q_table
     acting = [s for s in range(16) if s not in (6, 10, 12, 15)]
-    written = re.findall(r">(-?\d\.\d\d)<", drawn.svg)
-    assert written == [f"{q[s, a]:z.2f}" for s in acting for a in Action]
+    written = re.findall(r">(−?\d\.\d\d)<", drawn.svg)
+    assert written == [minus(f"{q[s, a]:z.2f}") for s in acting for a in Action]
     framed = re.findall(r'<polygon points="([^"]*)"[^>]*stroke-dasharray="6 3"', drawn.svg)
     wedge = re.findall(r'<polygon points="([^"]*)"[^>]*data-cell="0"', drawn.svg)[Action.DOWN]
     assert framed == [wedge]
@@ -237,7 +239,7 @@ def test_the_board_shows_the_table_and_what_changed():
 def test_numbers_too_small_to_read_are_left_out_of_the_picture(rows, legible):
     explored = OneUpdate(Maze.random(rows, rows, walls=0, **FREE))
     explored.arrow(Action.RIGHT)
-    written = re.findall(r'font-size="([\d.]+)"[^>]*>-?\d\.\d\d<', board(explored).svg)
+    written = re.findall(r'font-size="([\d.]+)"[^>]*>−?\d\.\d\d<', board(explored).svg)
     assert len(written) == (4 * (rows * rows - 1) if legible else 0)
     assert all(float(size) >= 9 for size in written)
 

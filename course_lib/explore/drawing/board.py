@@ -3,12 +3,14 @@
 import numpy as np
 
 from course_lib.explore.drawing.sketch import WIDTH, Sketch, shade
-from course_lib.maze import MOVES, Action, Maze, Tile
-from course_lib.plots.board import acting_states, best_actions, short
+from course_lib.explore.numerals import short, two_places
+from course_lib.maze import MOVES, Action, Tile
+from course_lib.plots.board import acting_states, best_actions
 from course_lib.plots.picture import BLUE, INK, ORANGE, PAPER, RED, YELLOW
 
 _MARGIN, _HEAD, _FOOT = 28, 30, 8  # left of the cells for row numbers, above for the title and columns, below
 _NARROW = 50  # pixels: in a narrower cell there is none to spare between a number and what stands below it
+_KEY_STEPS = 8
 _MOST_NUMBERS = 12  # columns up to which a cell has room for numbers
 SIGNS = {Action.UP: "↑", Action.DOWN: "↓", Action.LEFT: "←", Action.RIGHT: "→"}
 ARROWS = {action: f"{sign} {action.name.lower()}" for action, sign in SIGNS.items()}
@@ -80,7 +82,7 @@ class Board:
                 up = 0.1 if self.cell >= _NARROW else 0.06
                 self.sketch.text(x, y - up * self.cell, short(values[s]), size=size, colour=ink)
 
-    def wedges(self, q, low, high, written="{:.2f}"):
+    def wedges(self, q, low, high):
         """Four wedges a cell, one for each action, with its value; the best of a cell are bold and framed."""
         half = self.cell / 2 - 1
         for s in acting_states(self.world):
@@ -97,8 +99,9 @@ class Board:
                     self.sketch.line(inner, closed=True, fill="none", stroke=RED, stroke_width=2.2)
                 if self.cell / 7 >= 9:  # smaller numbers are not to be read
                     look = {"font_weight": "700"} if a in best else {}
-                    place = (x + right * half * 0.6, y + down * half * 0.7)
-                    self.sketch.text(*place, written.format(q[s, a]), size=min(11.0, self.cell / 7), colour=ink, **look)
+                    text, size = two_places(q[s, a]), min(11.0, self.cell / 7)
+                    out = 0.6 if len(text) < 5 else 0.57  # a sign needs room as well
+                    self.sketch.text(x + right * half * out, y + down * half * 0.7, text, size=size, colour=ink, **look)
 
     def frame_wedge(self, state, action, colour=BLUE):
         """A thick dashed frame around one wedge: the changed one."""
@@ -122,7 +125,9 @@ class Board:
         for s in acting_states(self.world):
             best = best_actions(q[s])
             for a in best if len(best) < len(Action) else []:
-                place = {"lift": 0.24, "start": 0.03, "length": 0.2} if self.roomy else {}  # below the cell's number
+                place = {"lift": 0.24, "start": 0.03, "length": 0.2} if self.roomy else {}  # below the cell's value
+                if self.roomy and self.cell < _NARROW:
+                    place = {"lift": 0.27, "start": 0.03, "length": 0.16}
                 self.arrow(s, a, colour=RED if (s, a) in marked else "#ffffff", **place)
 
     def arrow(self, state, action, *, lift=0.0, aside=0.0, start=0.06, length=0.28, colour="#ffffff"):
@@ -165,6 +170,17 @@ class Board:
             for dx, dy, size in ((0.16, 0.07, 0.05), (0.0, 0.13, 0.035), (0.23, -0.05, 0.03)):
                 self.sketch.circle(x + dx * r, y + dy * r, size * r, fill=ORANGE)
 
+    def key(self, low, high):
+        """Below the maze: the colours from `low` to `high`, as `shade` has them. What is beyond looks like the end."""
+        top, wide = self.sketch.height, 14
+        self.sketch.height += 24
+        self.sketch.text(self.left, top + 9, f"{short(low)} or less", size=12, anchor="start")
+        for i in range(_KEY_STEPS):
+            colour, _ = shade(i, 0, _KEY_STEPS - 1)
+            self.sketch.rect(WIDTH / 2 + (i - _KEY_STEPS / 2) * wide, top + 2, wide, 14, fill=colour)
+        right = self.left + self.cell * self.world.columns
+        self.sketch.text(right, top + 9, f"{short(high)} or more", size=12, anchor="end")
+
     def note(self, state, words, *, colour=INK, down=0.36, size=11):
         """A few words in a cell, by default at its foot; down: how far below its middle, in cells."""
         x, y = self.middle(state)
@@ -201,12 +217,3 @@ def place(world, state):
     """A cell in words."""
     row, column = divmod(int(state), world.columns)
     return f"cell {int(state)} (row {row}, column {column})"
-
-
-def small_maze(maze, most=8):
-    """`maze` itself; `ValueError` for what is no `Maze`, and for one whose cells have no room for numbers and words."""
-    if not isinstance(maze, Maze):
-        raise ValueError(f"a Maze is needed, got a {type(maze).__name__}")
-    if max(maze.rows, maze.columns) > most:
-        raise ValueError(f"at most {most} rows and columns have room for numbers, got {maze.rows} x {maze.columns}")
-    return maze

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from course_lib.explore.drawing.sketch import WIDTH, Sketch
+from course_lib.explore.numerals import numeral, power_of_ten
 from course_lib.plots.picture import FAINT, INK, PALETTE, PAPER
 
 DASHES = (None, "8 4", "2 3", "9 3 2 3", "14 4", "1 4")  # one for each colour of PALETTE
@@ -147,5 +148,5 @@ def log_ticks(low, high):
 def _label(tick):
     power = round(math.log10(abs(tick))) if tick else 0
     if not -4 <= power <= 4 and math.isclose(tick, 10.0**power):
-        return "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{tick:,.0f}" if abs(tick) >= 1000 else f"{tick:g}"
+        return power_of_ten(power)
+    return numeral(tick, ",.0f" if abs(tick) >= 1000 else "g")

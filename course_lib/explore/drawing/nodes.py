@@ -3,6 +3,7 @@
 import numpy as np
 
 from course_lib.explore.drawing.sketch import WIDTH, Sketch
+from course_lib.explore.numerals import two_places
 from course_lib.plots.picture import BLUE, FAINT, INK, PAPER, RED
 
 QUIET = "#5f646b"  # words that matter less; 5.9 to 1 on paper
@@ -37,7 +38,11 @@ def network(layers, state, output_names, title):
     passed, best = np.maximum(arriving, 0), int(outputs.argmax())
     sketch = Sketch(_TOP + _TALL + 62)
     sketch.text(6, 14, title, size=15, anchor="start", font_weight="600")
-    for x, heading in ((_IN, "inputs"), (_HIDDEN + 34, "hidden nodes"), ((_OUT + WIDTH - 6) / 2, "outputs")):
+    for x, heading in (
+        (_IN, "inputs"),
+        (_HIDDEN + 42, f"hidden nodes: {(arriving > 0).sum()} of {len(arriving)} speak"),
+        ((_OUT + WIDTH - 6) / 2, "outputs"),
+    ):
         sketch.text(x, _TOP - 16, heading, size=12)
     rows_in, rows, rows_out = (_spread(n) for n in (len(weights_1), len(arriving), len(outputs)))
     _lines(sketch, (_IN, [rows_in[state]] * len(rows)), (_HIDDEN - 3, rows), weights_1[state])
@@ -52,7 +57,7 @@ def network(layers, state, output_names, title):
         if value > 0:
             long = float(value) / largest * _LONGEST
             sketch.rect(_HIDDEN, y - 5.5, long, 11, fill=BLUE, stroke=INK, stroke_width=0.8)
-            sketch.text(_HIDDEN + long + 4, y, f"{value:z.2f}", size=11, anchor="start")
+            sketch.text(_HIDDEN + long + 4, y, two_places(value), size=11, anchor="start")
         else:
             sketch.rect(_HIDDEN, y - 5.5, 11, 11, fill=PAPER, stroke=INK, stroke_width=0.8, stroke_dasharray="2 2")
             sketch.text(_HIDDEN + 16, y, "dead" if dead else "silent", size=11, anchor="start", colour=QUIET)
@@ -64,7 +69,7 @@ def network(layers, state, output_names, title):
         sketch.rect(_OUT, y - 24, WIDTH - 6 - _OUT, 48, rx=5, fill="#ffffff", **look)
         weight = "700" if a == best else None
         sketch.text((_OUT + WIDTH - 6) / 2, y - 10, name, font_weight=weight)
-        sketch.text((_OUT + WIDTH - 6) / 2, y + 11, f"{outputs[a]:z.2f}", size=15, font_weight=weight)
+        sketch.text((_OUT + WIDTH - 6) / 2, y + 11, two_places(outputs[a]), size=15, font_weight=weight)
         if a == best:
             sketch.text((_OUT + WIDTH - 6) / 2, y + 34, "the best", size=12)
     legend = (
@@ -120,10 +125,11 @@ def _lines(sketch, here, there, flows):
         if abs(flow) > 0.02 * largest:
             look = {"stroke": BLUE} if flow > 0 else {"stroke": RED, "stroke_dasharray": "4 3"}
             width = 0.4 + 2.4 * abs(flow) / largest
-            sketch.line([(x, y), (to_x, to_y)], stroke_width=width, stroke_opacity=0.75, **look)
+            look |= {"stroke_width": width, "stroke_opacity": 0.75, "stroke_linejoin": None}  # nothing is joined
+            sketch.line([(x, y), (to_x, to_y)], **look)
 
 
 def _bar(sketch, across, y, value, best, **look):
     start, end = sorted((across(0), across(value)))
     sketch.rect(start, y, max(end - start, 1.0), 14, stroke=INK, stroke_width=0.8, **look)
-    sketch.text(WIDTH - 6, y + 7, f"{value:z.2f}", anchor="end", font_weight="700" if best else None)
+    sketch.text(WIDTH - 6, y + 7, two_places(value), anchor="end", font_weight="700" if best else None)

@@ -5,7 +5,7 @@ import re
 import shutil
 import sysconfig
 import warnings
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
 
@@ -233,7 +233,6 @@ class Course:
     def nbgrader(self):
         """The interface of nbgrader to this class: https://nbgrader.readthedocs.io/en/stable/api/high_level_api.html."""
         from nbgrader.apps import NbGraderAPI
-        from nbgrader.utils import setenv
         from sqlalchemy.exc import SQLAlchemyError
         from traitlets.config.loader import PyFileConfigLoader
 
@@ -243,10 +242,8 @@ class Course:
         settings.ExchangeFactory.collect = "course_lib.classroom.collect.CollectOwn"
         settings.ExchangeReleaseAssignment.force = True
         api = NbGraderAPI(config=settings)
-        # To make a gradebook nbgrader calls `alembic`, which lies beside this Python and is found nowhere else unless
-        # the environment is activated.
         try:
-            with setenv(PATH=os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", "")])):
+            with _programs_beside_python():  # to make a gradebook it calls `alembic`
                 api.gradebook.close()
         except SQLAlchemyError as error:
             raise RuntimeError(
@@ -298,3 +295,17 @@ def _with_bar(learners):
     from tqdm.auto import tqdm
 
     return tqdm(learners, unit="submission", leave=False)
+
+
+@contextmanager
+def _programs_beside_python():
+    """They are found though the environment is not activated. (`nbgrader.utils.setenv` leaves no PATH at all.)"""
+    before = os.environ.get("PATH")
+    os.environ["PATH"] = os.pathsep.join(filter(None, [sysconfig.get_path("scripts"), before]))
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PATH"]
+        else:
+            os.environ["PATH"] = before

@@ -190,3 +190,13 @@ def test_no_page_shows_a_hidden_test(school):
 def test_a_page_shows_the_learners_own_code(school):
     assert "BEGIN HIDDEN TESTS" in school.pages["tricks"].read_text()
     assert "a table" in school.pages["bob"].read_text()
+
+
+@pytest.mark.parametrize("path", [os.defpath, None])
+def test_the_environment_is_left_as_it_was(nbgrader, tmp_path, monkeypatch, path):  # noqa: ARG001
+    monkeypatch.delenv("PATH") if path is None else monkeypatch.setenv("PATH", path)
+    before = dict(os.environ)
+    course = new_class(tmp_path)
+    course.release(HOMEWORK)
+    assert (course.folder / "gradebook.db").is_file(), "it was made without `alembic` in PATH"
+    assert dict(os.environ) == before

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 
 import pytest
+from needed import do_without
 from study_worlds import NETWORKS, TABLES, drawn, ends_its_process, fails, fails_once, same, slow_tables
 
 from course_lib import study
@@ -18,10 +19,7 @@ from course_lib import study
 def cluster():
     """Two workers with a thread each. Without Dask skip; where it is promised (CI), its absence is a failure."""
     if not find_spec("distributed"):
-        reason = 'needs Dask: pip install -e ".[scale]"'
-        if os.environ.get("COURSE_REQUIRE_DASK") == "1":
-            pytest.fail(reason, pytrace=False)
-        pytest.skip(reason)
+        do_without('needs Dask: pip install -e ".[scale]"', "COURSE_REQUIRE_DASK")
     from distributed import LocalCluster
 
     with LocalCluster(

@@ -1,11 +1,11 @@
 """A class for the tests that need nbgrader."""
 
-import os
 import shutil
 from importlib.util import find_spec
 
 import nbformat
 import pytest
+from needed import do_without
 
 from course_lib.classroom.course import Course
 
@@ -16,10 +16,7 @@ from .school import HOMEWORK, new_class
 def nbgrader():
     """Skip where a learner has no nbgrader; where it is promised (CI), its absence is a failure."""
     if not find_spec("nbgrader"):
-        reason = 'needs nbgrader: pip install -e ".[teach]"'
-        if os.environ.get("COURSE_REQUIRE_NBGRADER") == "1":
-            pytest.fail(reason, pytrace=False)
-        pytest.skip(reason)
+        do_without('needs nbgrader: pip install -e ".[teach]"', "COURSE_REQUIRE_NBGRADER")
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,13 @@
 """Lessons where nothing is installed: links to Binder and Colab, and what Binder's builder makes of the repository."""
 
-import os
 import re
 import subprocess
+from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import parse_qs, unquote, urlsplit
 
 import pytest
+from needed import do_without
 
 from course_lib.classroom.__main__ import main
 from course_lib.classroom.links import links
@@ -95,11 +96,8 @@ def test_on_the_command_line(capsys):
 @pytest.fixture
 def build_pack(monkeypatch):
     """What repo2docker takes this repository for."""
-    if not _has_repo2docker():
-        reason = "needs repo2docker: pip install jupyter-repo2docker"
-        if os.environ.get("COURSE_REQUIRE_REPO2DOCKER") == "1":
-            pytest.fail(reason, pytrace=False)
-        pytest.skip(reason)
+    if not find_spec("repo2docker"):
+        do_without("needs repo2docker: pip install jupyter-repo2docker", "COURSE_REQUIRE_REPO2DOCKER")
     from repo2docker.app import Repo2Docker
 
     monkeypatch.chdir(REPOSITORY)
@@ -107,12 +105,6 @@ def build_pack(monkeypatch):
     pack = next(pack for pack in packs if pack.detect())
     pack.platform = "linux/amd64"
     return pack
-
-
-def _has_repo2docker():
-    from importlib.util import find_spec
-
-    return find_spec("repo2docker") is not None
 
 
 def test_binder_builds_the_python_that_the_versions_were_tried_with(build_pack):

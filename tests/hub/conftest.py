@@ -3,16 +3,10 @@
 import os
 
 import pytest
+from needed import do_without
 
 from . import hub, machine
 from .school import School, in_class
-
-
-def do_without(reason):
-    """Skip where there is no hub; where one is promised (CI), its absence is a failure."""
-    if os.environ.get("COURSE_REQUIRE_HUB") == "1":
-        pytest.fail(reason, pytrace=False)
-    pytest.skip(reason)
 
 
 @pytest.fixture(scope="package")
@@ -20,7 +14,7 @@ def ready():
     """Skip where no hub, or no machine of the tests' own, can be had."""
     reason = hub.why_not() or machine.why_not()
     if reason:
-        do_without(reason)
+        do_without(reason, "COURSE_REQUIRE_HUB")
 
 
 @pytest.fixture(scope="package")
